@@ -1,0 +1,1 @@
+"""The protocols between rooms and to the outside, one small file each."""

@@ -1,0 +1,38 @@
+"""The contract of a journal: append-only lines, keyed state beside them, and blobs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol
+
+from wakeful.facts.lines import Line
+
+
+class JournalError(Exception):
+    """The journal cannot be opened or written. The message says what is wrong, where, and what to do."""
+
+
+class Journal(Protocol):
+    """What the driver commits to, in one transaction: lines, keyed state, blobs.
+
+    After ``commit`` returns the lines are durable. After it raised, none of them is there.
+    """
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        """Append ``lines`` (positions must continue the journal's), replace ``state`` (None deletes) and add ``blobs``."""
+
+    def lines(self, after: int = 0) -> Iterator[Line]:
+        """The lines with position > ``after``, in order."""
+
+    def state(self) -> dict[str, bytes]:
+        """The keyed state as of the last commit."""
+
+    def blob(self, name: str) -> bytes:
+        """The bytes of a blob. Raises JournalError where there is none of that name."""
+
+    @property
+    def last(self) -> int:
+        """The last position, 0 for an empty journal."""
+
+    def close(self) -> None:
+        """Release the file. Committed lines stay."""

@@ -1,0 +1,48 @@
+"""The contract of a learner: trains F_θ (Eq. 8) off the kernel's thread, and loads it for selection."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from wakeful.facts.experience import ModelCard
+from wakeful.facts.inputs import TrainingJob
+
+Vector = NDArray[np.float64]
+
+
+class Estimate(msgspec.Struct, frozen=True):
+    """F_θ(e): calibrated probabilities over treatments (k,) and outcome labels (l,), and novelty in [0, 1].
+
+    Novelty is distance from experience as a quantile of held-back distances: 0.95 is farther than 95 % of what is familiar.
+    """
+
+    treatments: Vector
+    labels: Vector
+    novelty: float
+
+
+class Predictor(Protocol):
+    """One loaded model version."""
+
+    def estimate(self, features: Vector) -> Estimate:
+        """F_θ for one event's features, shape (d,). Values are rounded to 9 digits, so that batching changes nothing."""
+
+    def estimate_many(self, features: Vector) -> list[Estimate]:
+        """The same for rows (n, d)."""
+
+
+class Learner(Protocol):
+    """Trains and loads. Same job, same bytes, on the same build."""
+
+    name: str
+
+    def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
+        """Train a challenger from ``job.base_weights`` (empty: from scratch), compare it with the champion on the held-back
+        rows, and say whether it is accepted. Pure: no clock, no disk."""
+
+    def load(self, weights: bytes) -> Predictor:
+        """The predictor of stored weights. Raises ValueError on bytes that are not a model."""

@@ -1,0 +1,38 @@
+"""The contract of a scheduling policy: which processes hold the slots for the next step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import msgspec
+
+from wakeful.facts.processes import ProcessView
+
+
+class Pick(msgspec.Struct, frozen=True):
+    """The processes that hold the slots for the next step, and those dropped on purpose (only experiments allow it)."""
+
+    run: tuple[int, ...]
+    abandon: tuple[int, ...] = ()
+
+
+class Policy(Protocol):
+    """Chooses among processes. Told of every change, asked at each step's boundary; it sees no future and no clock.
+
+    Its answer depends only on what it was told, never on the order of equal calls: ties go by arrival, then id.
+    """
+
+    name: str
+
+    def runnable(self, view: ProcessView, now_ns: int) -> None:
+        """The process can use a slot from now on (created, woken, preempted, or its view changed)."""
+
+    def waiting(self, view: ProcessView, now_ns: int) -> None:
+        """The process waits; ``view.evidence_due_ns`` says for how long at most."""
+
+    def gone(self, process: int, now_ns: int) -> None:
+        """The process has completed or is held by an operator: no longer eligible."""
+
+    def pick(self, running: Sequence[int], slots: int, now_ns: int) -> Pick:
+        """At most ``slots`` processes for the next step; ``running`` held them in the last one. O(log n)."""

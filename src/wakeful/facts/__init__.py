@@ -1,0 +1,1 @@
+"""The words of wakeful as frozen values, and the one table of process transitions."""

@@ -1,0 +1,46 @@
+"""What treatment, and how: the choice made for one event (Eq. 4)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from wakeful.facts.values import Fact
+
+Mode = Literal["auto", "delib", "fallback"]
+"""How a treatment is executed, z of Eq. 4. Analogy is a treatment; fallback is a mode."""
+
+
+class Candidate(Fact, frozen=True):
+    """One treatment that was considered, with its calibrated probability."""
+
+    treatment: str
+    probability: float
+
+
+class Gate(Fact, frozen=True):
+    """Why automation was or was not allowed: the numbers that were compared, rounded before comparison."""
+
+    confidence: float
+    threshold: float
+    novelty: float
+    novelty_limit: float
+    trust: float
+    trust_limit: float
+
+
+class Decision(Fact, frozen=True):
+    """(treatment, mode, confidence, candidates, reasons, model version) made for one event."""
+
+    treatment: str
+    mode: Mode
+    confidence: float
+    candidates: tuple[Candidate, ...]
+    reasons: tuple[str, ...]
+    gate: Gate
+    prior: dict[str, float] = {}
+    """The result head's probabilities over outcome labels; what auto mode starts from."""
+    model: int = 0
+    watermark: int = 0
+    """How many experiences the model version had learned from."""
+    rests_on: tuple[int, ...] = ()
+    """Ids of the nearest experiences."""

@@ -1,0 +1,119 @@
+"""What the driver may feed the kernel, and what the kernel wants done in return."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TypeAlias
+
+import msgspec
+
+from wakeful.facts.asking import Question, Safety
+from wakeful.facts.events import Draft, Observation, Undecodable
+from wakeful.facts.evidence import Evidence, Outcome
+from wakeful.facts.experience import ModelCard
+from wakeful.facts.lines import Line
+from wakeful.facts.values import NOTHING, Fact, Raw
+
+
+class Begin(Fact, frozen=True):
+    """A source is about to be read. ``digest`` is of its content, or the incarnation of a live one."""
+
+    source: str
+    digest: str
+    offset_ns: int = 0
+
+
+class End(Fact, frozen=True):
+    """A source was read to its end. ``unbroken``: no gap up to its last observation."""
+
+    source: str
+
+
+class Answer(Fact, frozen=True):
+    """The answer to one call: ``value`` as JSON, or ``error``."""
+
+    process: int
+    seq: int
+    value: Raw = NOTHING
+    error: str = ""
+    cost_usd: float = 0.0
+    calls: int = 0
+
+
+class Trained(Fact, frozen=True):
+    """A training's answer, to be fed at the instant that its TrainingAsked declared (live: when it is there)."""
+
+    training: int
+    card: ModelCard
+    weights: bytes = b""
+
+
+class Act(Fact, frozen=True):
+    """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen``."""
+
+    who: str
+    act: str
+    process: int
+    why: str
+
+
+Input: TypeAlias = Begin | End | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
+
+Outside: TypeAlias = Callable[[], "Awaitable[object] | object"]
+
+
+class Call(msgspec.Struct, frozen=True, kw_only=True):
+    """A call outside that the driver makes once the lines are durable: a reasoner, a person, or a user's function."""
+
+    process: int
+    seq: int
+    expires_ns: int
+    question: Question | None = None
+    role: str = ""
+    function: Outside | None = None
+    safety: Safety = "read"
+    key: str = ""
+
+
+class Training(msgspec.Struct, frozen=True, kw_only=True):
+    """A training that the driver runs off the kernel's thread; ``job`` is what the learner takes."""
+
+    training: int
+    publish_ns: int
+    job: TrainingJob
+
+
+class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
+    """All that a training needs, as numbers. Row i of each array is one experience.
+
+    Shapes: features (n, d) float64; treatment (n,) int, -1 where the right treatment is not known; result (n,) int,
+    -1 where undecided; refuted (n,) int, the index of a treatment known to be wrong or -1; weight (n,) float64.
+    ``held_back`` rows (the last of each array, by mask) are for champion/challenger and calibration only.
+    """
+
+    training: int
+    base_version: int
+    base_weights: bytes
+    watermark: int
+    seed: int
+    epochs: int
+    treatments: tuple[str, ...]
+    labels: tuple[str, ...]
+    features: object
+    treatment: object
+    result: object
+    refuted: object
+    weight: object
+    held_back: object
+
+
+class Requests(msgspec.Struct, frozen=True, kw_only=True):
+    """What the kernel wants done. The driver commits lines, state and blobs in one transaction before it acts on the rest."""
+
+    lines: tuple[Line, ...] = ()
+    state: dict[str, bytes | None] = {}
+    blobs: dict[str, bytes] = {}
+    calls: tuple[Call, ...] = ()
+    trainings: tuple[Training, ...] = ()
+    wake_ns: int | None = None
+    """When the kernel wants to be fed again, inputs or not; None: only when something comes."""
