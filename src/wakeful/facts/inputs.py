@@ -48,6 +48,13 @@ class Trained(Fact, frozen=True):
     weights: bytes = b""
 
 
+class Mark(Fact, frozen=True):
+    """The source cursor: everything up to ``position`` has been fed. Committed together with what it led to."""
+
+    source: str
+    position: int
+
+
 class Act(Fact, frozen=True):
     """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen``."""
 
@@ -57,7 +64,7 @@ class Act(Fact, frozen=True):
     why: str
 
 
-Input: TypeAlias = Begin | End | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
+Input: TypeAlias = Begin | End | Mark | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
 
 Outside: TypeAlias = Callable[[], "Awaitable[object] | object"]
 
@@ -67,6 +74,7 @@ class Call(msgspec.Struct, frozen=True, kw_only=True):
 
     process: int
     seq: int
+    asked_ns: int
     expires_ns: int
     question: Question | None = None
     role: str = ""

@@ -1,0 +1,114 @@
+"""Admission: an event becomes owed coverage, or is a duplicate, or is refused with a reason. Idempotent by event id."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from wakeful.facts.events import Draft, Event, Undecodable, event_id
+from wakeful.facts.lines import Admitted, AnyRecord, Duplicate, Refused
+from wakeful.facts.time import Stamp
+
+#: A draft larger than this is not an event but a dump; it is refused and its source goes on.
+MAX_EVENT_BYTES = 64 * 1024
+
+
+class Counts(msgspec.Struct, frozen=True):
+    """received = admitted + duplicate + refused, at every committed position."""
+
+    admitted: int = 0
+    duplicate: int = 0
+    refused: int = 0
+
+    @property
+    def received(self) -> int:
+        """Offered events and undecodable inputs."""
+        return self.admitted + self.duplicate + self.refused
+
+
+class Admission:
+    """Knows which events were admitted. State changes only in ``apply``."""
+
+    def __init__(self) -> None:
+        self._seen: set[str] = set()
+        self._admitted = 0
+        self._duplicate = 0
+        self._refused = 0
+
+    def admit(self, draft: Draft, digest: str, stamp: Stamp) -> Admitted | Duplicate | Refused:
+        """What becomes of ``draft``, as the record to write.
+
+        Args:
+            draft: the event as registration offers it.
+            digest: of its source's content, part of the event's identity.
+            stamp: its times.
+        """
+        reason = _objection(draft)
+        if reason:
+            return Refused(source=draft.source, position=draft.position, reason=reason, excerpt=draft.kind[:80])
+        identity = event_id(draft.robot, digest, draft.position, draft.kind, draft.ordinal)
+        if identity in self._seen:
+            return Duplicate(event=identity, source=draft.source, position=draft.position)
+        return Admitted(
+            event=Event(
+                id=identity,
+                kind=draft.kind,
+                entity=draft.entity,
+                source=draft.source,
+                position=draft.position,
+                stamp=stamp,
+                ordinal=draft.ordinal,
+                robot=draft.robot,
+                relation=draft.relation,
+                fields=draft.fields,
+                context=draft.context,
+                condition=draft.condition,
+                criticality=draft.criticality,
+                deadline_s=draft.deadline_s,
+                says=draft.says,
+                observations=draft.observations,
+                truth_treatment=draft.truth_treatment,
+            )
+        )
+
+    def refuse(self, undecodable: Undecodable) -> Refused:
+        """An input that no observation could be made of."""
+        return Refused(
+            source=undecodable.source,
+            position=undecodable.position,
+            reason=undecodable.reason,
+            excerpt=undecodable.excerpt[:200],
+        )
+
+    def apply(self, record: AnyRecord) -> None:
+        """Count what was recorded."""
+        if isinstance(record, Admitted):
+            self._seen.add(record.event.id)
+            self._admitted += 1
+        elif isinstance(record, Duplicate):
+            self._duplicate += 1
+        elif isinstance(record, Refused):
+            self._refused += 1
+
+    def counts(self) -> Counts:
+        """The conservation count at this position."""
+        return Counts(self._admitted, self._duplicate, self._refused)
+
+
+def _objection(draft: Draft) -> str:
+    if not draft.kind:
+        return "an event needs a kind"
+    if draft.criticality not in (0, 1, 2, 3):
+        return f"criticality is {draft.criticality}; it must be 0, 1, 2 or 3"
+    if draft.deadline_s is not None and not (math.isfinite(draft.deadline_s) and draft.deadline_s > 0):
+        return f"deadline_s is {draft.deadline_s}; it must be a positive number of seconds"
+    for name, value in (*draft.fields.items(), *draft.context.fields.items()):
+        if isinstance(value, float) and not math.isfinite(value):
+            return f"field {name!r} is {value}; numbers must be finite, leave the field out where it is unknown"
+    size = sum(len(name) + (len(value) if isinstance(value, str | tuple) else 8) for name, value in draft.fields.items()) + len(
+        draft.says
+    )
+    if size > MAX_EVENT_BYTES:
+        return f"the event has about {size} bytes; at most {MAX_EVENT_BYTES} are admitted, shorten its fields"
+    return ""

@@ -1,0 +1,220 @@
+"""The default journal: one SQLite file in WAL mode, through apsw's own SQLite."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import apsw
+import msgspec
+
+from wakeful.contracts.journal import JournalError
+from wakeful.facts.lines import AnyRecord, Line
+from wakeful.journal.lock import FileLock
+from wakeful.journal.schema import APPLICATION_ID, MIGRATIONS, VERSION
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+_ROWS_PER_INSERT = 100
+
+
+class SqliteJournal:
+    """Append-only lines, keyed state and blobs in one file that only its owner may read.
+
+    Args:
+        path: the file; made, with its directory, where it is absent and ``read_only`` is false.
+        read_only: look without the writer's lock; may be done beside a running writer.
+        full_sync: ``synchronous=FULL`` (survives power loss) or NORMAL (survives a killed process).
+
+    Raises:
+        JournalError: not a journal, a newer schema, locked by another process, unreadable.
+    """
+
+    def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True) -> None:
+        self.path = path
+        self._encode = msgspec.json.Encoder().encode
+        self._decode = msgspec.json.Decoder(AnyRecord).decode
+        self._lock: FileLock | None = None
+        if read_only and not path.is_file():
+            raise JournalError(f"there is no journal at {path}; make one with `wakeful run --journal {path} SOURCE`")
+        if not read_only:
+            self._prepare()
+            self._lock = FileLock(path)
+        try:
+            self._db = self._connect(read_only, full_sync)
+            row = self._db.execute("SELECT coalesce(max(position), 0) FROM lines").fetchone()
+        except apsw.Error as error:
+            self._release()
+            raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
+        except JournalError:
+            self._release()
+            raise
+        self._last = int(row[0])
+        self._boot = _boot_id()
+
+    def _prepare(self) -> None:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            os.close(os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600))
+        except OSError as error:
+            raise JournalError(
+                f"{self.path} cannot be written: {error.strerror}; name another file with --journal or free the place"
+            ) from error
+
+    def _connect(self, read_only: bool, full_sync: bool) -> apsw.Connection:
+        flags = apsw.SQLITE_OPEN_READONLY if read_only else apsw.SQLITE_OPEN_READWRITE
+        db = apsw.Connection(str(self.path), flags=flags)
+        db.set_busy_timeout(5_000)
+        version = int(db.execute("PRAGMA user_version").fetchone()[0])
+        application = int(db.execute("PRAGMA application_id").fetchone()[0])
+        tables = int(db.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0])
+        if application != APPLICATION_ID and tables:
+            raise JournalError(f"{self.path} is a database, but not a wakeful journal; name another file with --journal")
+        if version > VERSION:
+            raise JournalError(
+                f"{self.path} has schema {version}, this wakeful knows {VERSION}: install the newer wakeful that wrote it"
+            )
+        if read_only:
+            if not tables:
+                raise JournalError(f"{self.path} is empty; fill it with `wakeful run --journal {self.path} SOURCE`")
+            return db
+        db.execute("PRAGMA journal_mode=WAL")
+        db.execute(f"PRAGMA synchronous={'FULL' if full_sync else 'NORMAL'}")
+        if version < VERSION:
+            self._migrate(db, version)
+        return db
+
+    @staticmethod
+    def _migrate(db: apsw.Connection, version: int) -> None:
+        with db:
+            for step in MIGRATIONS[version:]:
+                db.execute(step)
+            db.execute(f"PRAGMA application_id={APPLICATION_ID}")
+            db.execute(f"PRAGMA user_version={VERSION}")
+
+    @property
+    def last(self) -> int:
+        """The last committed position, 0 for an empty journal."""
+        return self._last
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        """Append, in one transaction. After an error nothing of it is there and the journal can be used again.
+
+        Raises:
+            JournalError: the positions don't continue the journal's, or SQLite could not write (disk full, read-only).
+        """
+        if lines and lines[0].position != self._last + 1:
+            raise JournalError(f"line {lines[0].position} does not follow {self._last} in {self.path}")
+        rows = [self._row(line) for line in lines]
+        try:
+            with self._db:
+                for start in range(0, len(rows), _ROWS_PER_INSERT):
+                    part = rows[start : start + _ROWS_PER_INSERT]
+                    # One statement of many rows: executemany would hand over the interpreter lock per row.
+                    slots = ",".join(["(?,?,?,?,?,?)"] * len(part))
+                    self._db.execute(f"INSERT INTO lines VALUES {slots}", [value for row in part for value in row])
+                for key, value in state.items():
+                    if value is None:
+                        self._db.execute("DELETE FROM state WHERE key = ?", (key,))
+                    else:
+                        self._db.execute("INSERT OR REPLACE INTO state VALUES (?, ?)", (key, value))
+                for name, value in blobs.items():
+                    self._db.execute("INSERT OR IGNORE INTO blobs VALUES (?, ?)", (name, value))
+                if lines:
+                    self._db.execute(
+                        "INSERT INTO commits VALUES (?, ?, ?, ?)",
+                        (lines[-1].position, time.time_ns(), time.monotonic_ns(), self._boot),
+                    )
+        except apsw.Error as error:
+            raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
+        if lines:
+            self._last = lines[-1].position
+
+    def _row(self, line: Line) -> tuple[int, int, str, str | None, int | None, str]:
+        record = line.record
+        event = getattr(record, "event", None)
+        if event is not None and not isinstance(event, str):
+            event = event.id
+        process = getattr(record, "process", None)
+        return (
+            line.position,
+            line.at_ns,
+            type(record).__name__.lower(),
+            event or None,
+            process or None,
+            self._encode(record).decode(),
+        )
+
+    def lines(self, after: int = 0) -> Iterator[Line]:
+        """The lines with position > ``after``, in order."""
+        return self._select("position > ?", [after])
+
+    def lines_of(self, *, event: str | None = None, process: int | None = None, kinds: Sequence[str] = ()) -> Iterator[Line]:
+        """The lines about an event or a process (or both), or of some kinds, in order; looked up by index."""
+        where: list[str] = []
+        values: list[str | int] = []
+        if event is not None:
+            where.append("event = ?")
+            values.append(event)
+        if process is not None:
+            where.append("process = ?")
+            values.append(process)
+        if kinds:
+            where.append(f"kind IN ({','.join('?' * len(kinds))})")
+            values.extend(kinds)
+        return self._select(" AND ".join(where) or "1", values)
+
+    def _select(self, where: str, values: Sequence[str | int]) -> Iterator[Line]:
+        query = f"SELECT position, at_ns, record FROM lines WHERE {where} ORDER BY position"
+        for position, at_ns, record in self._db.execute(query, values):
+            try:
+                yield Line(position, at_ns, self._decode(record))
+            except msgspec.DecodeError as error:
+                raise JournalError(f"line {position} of {self.path} cannot be read: {error}") from error
+
+    def state(self) -> dict[str, bytes]:
+        """The keyed state as of the last commit."""
+        return dict(self._db.execute("SELECT key, value FROM state"))
+
+    def blob(self, name: str) -> bytes:
+        """The bytes of a blob.
+
+        Raises:
+            JournalError: there is none of that name.
+        """
+        row = self._db.execute("SELECT value FROM blobs WHERE name = ?", (name,)).fetchone()
+        if row is None:
+            raise JournalError(f"{self.path} has no blob {name}: the journal is incomplete, restore it from a backup")
+        return bytes(row[0])
+
+    def close(self) -> None:
+        """Release the file. Committed lines stay."""
+        self._db.close()
+        self._release()
+
+    def _release(self) -> None:
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    def __enter__(self) -> SqliteJournal:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True) -> SqliteJournal:
+    """Open, or make, the journal at ``path``. See SqliteJournal."""
+    return SqliteJournal(path, read_only=read_only, full_sync=full_sync)
+
+
+def _boot_id() -> str:
+    try:
+        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    except OSError:
+        return ""
