@@ -13,6 +13,10 @@ from wakeful.facts.events import Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 
 
+class DomainError(Exception):
+    """A domain that cannot be used. The message says which file or part, where in it, and what to do."""
+
+
 class Registered(msgspec.Struct, frozen=True):
     """What one observation turned out to mean: events, evidence, outcomes (each possibly none)."""
 
