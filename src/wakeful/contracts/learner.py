@@ -28,6 +28,18 @@ class Estimate(msgspec.Struct, frozen=True):
 class Predictor(Protocol):
     """One loaded model version."""
 
+    @property
+    def treatments(self) -> tuple[str, ...]:
+        """What ``Estimate.treatments`` is over, in its order; it may lack a treatment that was registered later."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What ``Estimate.labels`` is over, in its order."""
+
+    @property
+    def typical(self) -> Vector:
+        """The mean of the features that it was fitted on, shape (d,): what ``why`` compares an event with."""
+
     def estimate(self, features: Vector) -> Estimate:
         """F_θ for one event's features, shape (d,). Values are rounded to 9 digits, so that batching changes nothing."""
 

@@ -13,11 +13,15 @@ Scalar = bool | int | float | str
 
 
 class FieldSpec(Fact, frozen=True):
-    """One field of the domain's events. ``values`` makes it categorical; ``low``/``high`` scale a number to [0, 1]."""
+    """One field of the domain's events. ``values`` makes it categorical; ``low``/``high`` scale a number to [0, 1].
+
+    ``size`` is the length of a numeric vector (a trace, a descriptor) whose every number is scaled so.
+    """
 
     values: tuple[str, ...] = ()
     low: float = 0.0
     high: float = 1.0
+    size: int = 1
     says: str = ""
 
 

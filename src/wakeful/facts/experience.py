@@ -53,5 +53,10 @@ class ModelCard(Fact, frozen=True):
     champion_accuracy: float | None = None
     challenger_accuracy: float | None = None
     held_back: int = 0
+    treatment_accuracy: float | None = None
+    result_accuracy: float | None = None
+    """Of the challenger on held-back rows, apart; ``challenger_accuracy`` counts a row only where both are right."""
     thresholds: dict[str, float] = {}
+    support: dict[str, int] = {}
+    """How many validated experiences each treatment has among what was learned."""
     why: str = ""
