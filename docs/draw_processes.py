@@ -14,22 +14,22 @@ from wakeful.facts.processes import COMPLETIONS, TRANSITIONS, State, Trigger
 HERE = Path(__file__).parent
 BEGIN, END = "<!-- drawn from the table: begin -->", "<!-- drawn from the table: end -->"
 
-WIDTH, HEIGHT, BOX_W, BOX_H = 860, 470, 130, 46
+WIDTH, HEIGHT, BOX_W, BOX_H = 900, 480, 130, 46
 PLACES = {
-    State.CREATED: (100, 70),
-    State.ACTIVE: (400, 70),
-    State.WAITING: (700, 70),
-    State.SUSPENDED: (400, 240),
-    State.COMPLETED: (400, 410),
+    State.CREATED: (110, 70),
+    State.ACTIVE: (450, 70),
+    State.WAITING: (780, 70),
+    State.SUSPENDED: (450, 240),
+    State.COMPLETED: (450, 420),
 }
 #: How far an arrow bows to the left of its direction, in pixels; straight where not named.
 BOWS = {
-    (State.ACTIVE, State.SUSPENDED): 45,
-    (State.SUSPENDED, State.ACTIVE): 45,
-    (State.WAITING, State.SUSPENDED): -40,
-    (State.ACTIVE, State.COMPLETED): 175,
-    (State.CREATED, State.COMPLETED): -60,
-    (State.WAITING, State.COMPLETED): 60,
+    (State.ACTIVE, State.SUSPENDED): 40,
+    (State.SUSPENDED, State.ACTIVE): 40,
+    (State.WAITING, State.SUSPENDED): 25,
+    (State.ACTIVE, State.COMPLETED): -190,
+    (State.CREATED, State.COMPLETED): -100,
+    (State.WAITING, State.COMPLETED): 75,
 }
 
 
@@ -54,7 +54,8 @@ def picture() -> str:
         parts += _loop(before, triggers) if before is after else _arrow(before, after, triggers)
     for state, (x, y) in PLACES.items():
         parts.append(
-            f'<rect x="{x - BOX_W / 2:g}" y="{y - BOX_H / 2:g}" width="{BOX_W}" height="{BOX_H}" rx="9" fill="#eef3f7" stroke="#456"/>'
+            f'<rect x="{x - BOX_W / 2:g}" y="{y - BOX_H / 2:g}" width="{BOX_W}" height="{BOX_H}" rx="9" '
+            'fill="#eef3f7" stroke="#456"/>'
             f'<text x="{x}" y="{y + 5}" text-anchor="middle" font-weight="bold" fill="#123">{escape(state)}</text>'
         )
     return "\n".join([*parts, "</svg>", ""])
@@ -78,11 +79,11 @@ def _arrow(before: State, after: State, triggers: list[Trigger]) -> list[str]:
 
 def _loop(state: State, triggers: list[Trigger]) -> list[str]:
     x, y = PLACES[state]
-    edge = x + BOX_W / 2
+    edge = x - BOX_W / 2
     return [
-        f'<path d="M{edge:g} {y - 12} C{edge + 60:g} {y - 40} {edge + 60:g} {y + 40} {edge:g} {y + 12}" fill="none" '
+        f'<path d="M{edge:g} {y - 12} C{edge - 60:g} {y - 40} {edge - 60:g} {y + 40} {edge:g} {y + 12}" fill="none" '
         'stroke="#456" marker-end="url(#tip)"/>',
-        *_label(edge + 70, y, triggers),
+        *_label(edge - 70, y, triggers),
     ]
 
 
@@ -95,10 +96,11 @@ def _edge(x: float, y: float, toward_x: float, toward_y: float) -> tuple[float, 
 
 def _label(x: float, y: float, triggers: list[Trigger]) -> list[str]:
     top = y - 7.5 * (len(triggers) - 1) + 4
+    # White underneath, since not every reader of SVG knows paint-order.
     return [
-        f'<text x="{x:.0f}" y="{top + 15 * row:.0f}" text-anchor="middle" fill="#123" stroke="#fff" stroke-width="4" '
-        f'paint-order="stroke">{escape(trigger)}</text>'
+        f'<text x="{x:.0f}" y="{top + 15 * row:.0f}" text-anchor="middle" {ink}>{escape(trigger)}</text>'
         for row, trigger in enumerate(triggers)
+        for ink in ('fill="#fff" stroke="#fff" stroke-width="5"', 'fill="#123"')
     ]
 
 
