@@ -1,0 +1,46 @@
+"""The events that a forecast may be about: remembered while a process is open on them, and for a while after."""
+
+from __future__ import annotations
+
+from collections import deque
+
+from wakeful.facts.events import Event
+
+
+class KnownEvents:
+    """Events with open processes, and the last ``keep`` without: a result may be recorded just after its process has
+    completed, and an event reopened."""
+
+    def __init__(self, keep: int) -> None:
+        self._keep = keep
+        self._events: dict[str, Event] = {}
+        self._event_of: dict[int, str] = {}
+        self._open_on: dict[str, int] = {}
+        self._retired: deque[str] = deque()
+
+    def get(self, event: str) -> Event | None:
+        """The event of that id; None where it is unknown or forgotten."""
+        return self._events.get(event)
+
+    def admitted(self, event: Event) -> None:
+        """An event entered cognition."""
+        self._events[event.id] = event
+
+    def created(self, process: int, event: str) -> None:
+        """A process is open on the event."""
+        self._event_of[process] = event
+        self._open_on[event] = self._open_on.get(event, 0) + 1
+
+    def completed(self, process: int) -> None:
+        """The process is open no longer."""
+        event = self._event_of.pop(process, None)
+        if event is None:
+            return
+        self._open_on[event] -= 1
+        if not self._open_on[event]:
+            del self._open_on[event]
+            self._retired.append(event)
+        while len(self._retired) > self._keep:
+            oldest = self._retired.popleft()
+            if oldest not in self._open_on:
+                self._events.pop(oldest, None)

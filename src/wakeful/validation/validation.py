@@ -1,0 +1,287 @@
+"""Validation: recorded result + outcome → verdict → experience (Eq. 7 and 10)."""
+
+from __future__ import annotations
+
+import msgspec
+
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.evidence import Outcome
+from wakeful.facts.experience import Experience, Verdict
+from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Finished, Gained, Judged, Moved, Opened, Witnessed
+from wakeful.facts.processes import State
+from wakeful.facts.time import to_ns
+from wakeful.validation.known import KnownEvents
+from wakeful.validation.ledger import Entry, Ledger
+from wakeful.validation.verdict import verdict
+from wakeful.validation.witnesses import Witnesses
+
+KEPT_FORECASTS = 10_000
+"""Judged forecasts kept for outcomes that come late."""
+
+KEPT_OUTCOMES = 10_000
+"""Outcomes kept for results that are concluded after them."""
+
+
+class Counts(msgspec.Struct, frozen=True):
+    """How many forecasts were made and what came of them. A superseded verdict counts once, as it stands now."""
+
+    forecasts: int
+    open: int
+    supported: int
+    contradicted: int
+    undecided: int
+    witnessed: int
+    foreign: int
+    """Outcomes whose label the domain does not know: recorded, compared with nothing."""
+
+    @property
+    def share_validated(self) -> float:
+        """Supported or contradicted, of all forecasts made; 0 where none was."""
+        return (self.supported + self.contradicted) / self.forecasts if self.forecasts else 0.0
+
+
+class Validation:
+    """The ledger of open forecasts. Pure: no clock; state changes only in ``apply``.
+
+    What the kernel does with it, each returned Judged being recorded and applied before the next question is put:
+
+    - a result is concluded: ``apply(Concluded)``, then ``concluded(record)`` for outcomes that were there before it;
+    - an outcome comes: skip it if ``knows(outcome.id)``; ``apply(Witnessed)``, then ``match(outcome, now)``;
+    - at ``next_close_ns()``: ``close(now)``; when a source ends or breaks: ``break_off(now)``;
+    - after each ``apply(Judged)``: ``experience(judged)``, recorded as Gained.
+
+    The first outcome in source time decides. A later one that says something else is recorded as undecided and changes
+    nothing; one that comes late but lies earlier in source time, or inside a window that had closed over ``none``, supersedes.
+    So of several Judged of one process the last that is not undecided holds.
+    """
+
+    def __init__(self, spec: DomainSpec, keep_forecasts: int = KEPT_FORECASTS, keep_outcomes: int = KEPT_OUTCOMES) -> None:
+        self._spec = spec.outcome
+        self._within_ns = to_ns(spec.outcome.within_s)
+        self._ledger = Ledger(spec.outcome.scope, keep_forecasts)
+        self._witnesses = Witnesses(spec.outcome.scope, keep_outcomes)
+        self._events = KnownEvents(keep_forecasts)
+        self._ended_ns: dict[str, int] = {}
+        self._next_experience = 1
+        self._made = 0
+        self._verdicts = dict.fromkeys(Verdict, 0)
+        self._witnessed = 0
+        self._foreign = 0
+
+    def apply(self, record: AnyRecord, at_ns: int) -> None:
+        """Take up one record of the journal, live and in recovery alike. Records that concern other rooms are passed over."""
+        match record:
+            case Admitted(event=event):
+                self._events.admitted(event)
+            case Created(process=process, event=event_id):
+                self._events.created(process, event_id)
+            case Moved(process=process, after=State.COMPLETED):
+                self._events.completed(process)
+            case Concluded():
+                self._open(record, at_ns)
+            case Witnessed(outcome=outcome):
+                if self._witnesses.add(outcome, at_ns):
+                    self._witnessed += 1
+                    self._foreign += outcome.label not in self._spec.labels
+            case Judged():
+                self._decide(record)
+            case Gained(experience=experience):
+                self._next_experience = max(self._next_experience, experience.id + 1)
+            case Finished(source=source):
+                self._ended_ns[source] = at_ns
+            case Opened(source=source):
+                self._ended_ns.pop(source, None)
+
+    def knows(self, outcome: str) -> bool:
+        """Whether an outcome of that id was witnessed before: the same id counts once."""
+        return self._witnesses.get(outcome) is not None
+
+    def match(self, outcome: Outcome, now_ns: int) -> list[Judged]:
+        """The verdicts that an outcome brings about (Eq. 10), possibly on several forecasts. Asking twice changes nothing."""
+        first = self._witnesses.get(outcome.id)
+        if (first is not None and first != outcome) or outcome.label not in self._spec.labels:
+            return []
+        found = (self._against(entry, outcome, now_ns) for entry in self._ledger.concerned(outcome, self._within_ns))
+        return [judged for judged in found if judged is not None]
+
+    def concluded(self, record: Concluded) -> list[Judged]:
+        """The verdicts on a result that was concluded just now, by outcomes witnessed before it.
+
+        Its lead is negative: the world was faster than the thought. At most the first outcome decides; the others are
+        recorded as ``match`` would.
+        """
+        entry = self._ledger.get(record.process)
+        if entry is None or entry.verdict is not None:
+            return []
+        outcomes = [outcome for outcome in self._witnesses.concerning(entry) if outcome.label in self._spec.labels]
+        if not outcomes:
+            return []
+        first, *later = outcomes
+        decisive = self._judge(entry, first, "the outcome came before the result was concluded")
+        return [decisive, *(self._late(entry, other, first.label) for other in later if other.label != first.label)]
+
+    def close(self, now_ns: int) -> list[Judged]:
+        """The verdicts on forecasts whose window has closed: ``labels[0]`` over an unbroken recording, else undecided."""
+        return [self._closed(entry) for entry in self._ledger.closed(now_ns)]
+
+    def break_off(self, now_ns: int, source: str = "") -> list[Judged]:
+        """The verdicts when a recording ended or broke: what had closed by then as ``close``, the rest undecided.
+
+        ``source`` confines it to the forecasts on that source's events.
+        """
+        concerned = [entry for entry in self._ledger.still_open() if source in ("", entry.source)]
+        return [self._closed(entry) if entry.closes_ns < now_ns else self._undecided(entry, _ENDED) for entry in concerned]
+
+    def next_close_ns(self) -> int | None:
+        """Kernel time at which ``close`` has something to say; None while no forecast is open."""
+        return self._ledger.next_close_ns()
+
+    def experience(self, judged: Judged) -> Experience | None:
+        """The learning material of an applied verdict (Eq. 7); None where it is undecided or no longer the one that holds.
+
+        An experience of the same process as an earlier one replaces it: the world was heard late.
+        """
+        entry = self._ledger.get(judged.process)
+        if entry is None or judged.verdict is Verdict.UNDECIDED or entry.decided_by != judged.outcome:
+            return None
+        outcome = self._witnesses.get(judged.outcome)
+        told = outcome.treatment if outcome is not None else ""
+        applied = entry.treatment if judged.verdict is Verdict.SUPPORTED else ""
+        return Experience(
+            id=self._next_experience,
+            event=entry.event,
+            process=entry.process,
+            treatment=entry.treatment,
+            treatment_label=told or applied,
+            predicted=judged.predicted,
+            outcome=judged.label,
+            verdict=judged.verdict,
+            mode=entry.mode,
+            robot=entry.robot,
+            acted_on=outcome is not None and outcome.acted_on,
+        )
+
+    def counts(self) -> Counts:
+        """What came of the forecasts so far."""
+        return Counts(
+            forecasts=self._made,
+            open=self._ledger.open_now,
+            supported=self._verdicts[Verdict.SUPPORTED],
+            contradicted=self._verdicts[Verdict.CONTRADICTED],
+            undecided=self._verdicts[Verdict.UNDECIDED],
+            witnessed=self._witnessed,
+            foreign=self._foreign,
+        )
+
+    def _open(self, record: Concluded, at_ns: int) -> None:
+        event = self._events.get(record.event)
+        if record.closes_ns is None or record.forecast is None or event is None or self._ledger.get(record.process) is not None:
+            return
+        forgotten_ns = self._witnesses.forgotten_ns
+        forecast, since_ns = record.forecast, event.stamp.source_ns
+        self._made += 1
+        self._ledger.open(
+            Entry(
+                process=record.process,
+                event=record.event,
+                treatment=record.treatment,
+                mode=record.mode,
+                label=forecast.label,
+                topic=forecast.topic or self._spec.topic,
+                entity=forecast.entity or event.entity,
+                robot=event.robot,
+                source=event.source,
+                since_ns=since_ns,
+                until_ns=since_ns + self._within_ns,
+                closes_ns=record.closes_ns,
+                offset_ns=record.closes_ns - since_ns - self._within_ns,
+                concluded_ns=at_ns,
+                heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
+            )
+        )
+
+    def _decide(self, record: Judged) -> None:
+        entry = self._ledger.get(record.process)
+        if entry is None:
+            return
+        outcome = self._witnesses.get(record.outcome)
+        if entry.verdict is not None:
+            if outcome is None or not _supersedes(outcome, entry):
+                entry.overruled.add(record.outcome)
+                return
+            self._verdicts[entry.verdict] -= 1
+        entry.verdict = record.verdict
+        entry.shown = record.label
+        entry.decided_by = record.outcome
+        entry.decided_ns = None if outcome is None else outcome.at_ns
+        self._verdicts[record.verdict] += 1
+        self._ledger.judged(record.process)
+
+    def _against(self, entry: Entry, outcome: Outcome, now_ns: int) -> Judged | None:
+        """What one outcome says of one forecast, given what is known of it already."""
+        if entry.verdict is None:
+            return self._judge(entry, outcome, "came late but lies inside the window" if entry.closes_ns < now_ns else "")
+        if outcome.id == entry.decided_by or outcome.id in entry.overruled or outcome.label == entry.shown:
+            return None
+        if not _supersedes(outcome, entry):
+            return self._late(entry, outcome, entry.shown)
+        if entry.decided_by:
+            return self._judge(entry, outcome, f"came late but lies before the outcome {entry.shown!r}: supersedes it")
+        return self._judge(entry, outcome, "came late but lies inside the window: supersedes what its close said")
+
+    def _judge(self, entry: Entry, outcome: Outcome, why: str = "") -> Judged:
+        seen = verdict(entry.label, outcome.label, outcome.acted_on)
+        reasons = [why] if why else []
+        if seen is Verdict.UNDECIDED:
+            reasons.append("the result had been acted on: what it forecast may have been prevented")
+        return Judged(
+            process=entry.process,
+            event=entry.event,
+            predicted=entry.label,
+            label=outcome.label,
+            verdict=seen,
+            outcome=outcome.id,
+            why="; ".join(reasons),
+            lead_ns=outcome.at_ns + entry.offset_ns - entry.concluded_ns,
+        )
+
+    def _late(self, entry: Entry, outcome: Outcome, standing: str) -> Judged:
+        return Judged(
+            process=entry.process,
+            event=entry.event,
+            predicted=entry.label,
+            label=outcome.label,
+            verdict=Verdict.UNDECIDED,
+            outcome=outcome.id,
+            why=f"the world showed {standing!r} first, and the first in source time decides",
+        )
+
+    def _closed(self, entry: Entry) -> Judged:
+        ended_ns = self._ended_ns.get(entry.source)
+        if ended_ns is not None and ended_ns < entry.closes_ns:
+            return self._undecided(entry, _ENDED)
+        if not entry.heard_all:
+            return self._undecided(entry, "outcomes of its window are no longer remembered")
+        label = self._spec.labels[0]
+        why = f"the window closed over an unbroken recording: {label!r}"
+        return Judged(
+            process=entry.process,
+            event=entry.event,
+            predicted=entry.label,
+            label=label,
+            verdict=verdict(entry.label, label),
+            why=why,
+        )
+
+    def _undecided(self, entry: Entry, why: str) -> Judged:
+        return Judged(
+            process=entry.process, event=entry.event, predicted=entry.label, label="", verdict=Verdict.UNDECIDED, why=why
+        )
+
+
+_ENDED = "the recording ended or broke before the window closed"
+
+
+def _supersedes(outcome: Outcome, entry: Entry) -> bool:
+    """Whether an outcome overrides the verdict that stands: it does over a closed window, and over a later outcome."""
+    return entry.decided_ns is None or outcome.at_ns < entry.decided_ns
