@@ -105,6 +105,7 @@ class Asked(Record, frozen=True):
     key: str
     expires_ns: int | None
     safety: Safety = "read"
+    count: int = 1
     args: str = ""
     """Digest of the arguments, by which an answer may be reused after the code has changed."""
     detail: Raw = NOTHING

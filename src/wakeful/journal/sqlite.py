@@ -46,14 +46,13 @@ class SqliteJournal:
             self._lock = FileLock(path)
         try:
             self._db = self._connect(read_only, full_sync)
-            row = self._db.execute("SELECT coalesce(max(position), 0) FROM lines").fetchone()
+            self._last = _number(self._db, "SELECT coalesce(max(position), 0) FROM lines")
         except apsw.Error as error:
             self._release()
             raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
         except JournalError:
             self._release()
             raise
-        self._last = int(row[0])
         self._boot = _boot_id()
 
     def _prepare(self) -> None:
@@ -69,9 +68,9 @@ class SqliteJournal:
         flags = apsw.SQLITE_OPEN_READONLY if read_only else apsw.SQLITE_OPEN_READWRITE
         db = apsw.Connection(str(self.path), flags=flags)
         db.set_busy_timeout(5_000)
-        version = int(db.execute("PRAGMA user_version").fetchone()[0])
-        application = int(db.execute("PRAGMA application_id").fetchone()[0])
-        tables = int(db.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0])
+        version = _number(db, "PRAGMA user_version")
+        application = _number(db, "PRAGMA application_id")
+        tables = _number(db, "SELECT count(*) FROM sqlite_schema")
         if application != APPLICATION_ID and tables:
             raise JournalError(f"{self.path} is a database, but not a wakeful journal; name another file with --journal")
         if version > VERSION:
@@ -211,6 +210,10 @@ class SqliteJournal:
 def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True) -> SqliteJournal:
     """Open, or make, the journal at ``path``. See SqliteJournal."""
     return SqliteJournal(path, read_only=read_only, full_sync=full_sync)
+
+
+def _number(db: apsw.Connection, query: str) -> int:
+    return int(next(db.execute(query))[0])
 
 
 def _boot_id() -> str:

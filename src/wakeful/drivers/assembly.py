@@ -1,0 +1,45 @@
+"""Putting a kernel together from names: the rooms' defaults stand here and nowhere else."""
+
+from __future__ import annotations
+
+from wakeful.contracts.domain import Domain
+from wakeful.contracts.learner import Learner
+from wakeful.contracts.policy import Policy
+from wakeful.domains import load
+from wakeful.facts.settings import MindSettings
+from wakeful.kernel import Kernel
+from wakeful.learning import TwoHeads
+from wakeful.scheduling import SuspendResume
+from wakeful.treatments import Registry, built_in
+
+
+def assemble(
+    domain: str | Domain,
+    settings: MindSettings | None = None,
+    *,
+    registry: Registry | None = None,
+    learner: Learner | None = None,
+    policy: Policy | None = None,
+) -> tuple[Kernel, Learner]:
+    """A kernel that has been fed nothing yet, and the learner that the driver trains with.
+
+    Args:
+        domain: by name, by path, or itself.
+        settings: how the mind thinks; the documented defaults where None.
+        registry: the treatments; those of wakeful and of installed packages where None.
+        learner: F_θ's trainer; the two-headed network where None.
+        policy: who holds a slot; suspend and resume by priority where None.
+
+    Raises:
+        DomainError: there is no such domain, or it cannot be read.
+    """
+    found = load(domain) if isinstance(domain, str) else domain
+    trains = learner if learner is not None else TwoHeads()
+    kernel = Kernel(
+        found,
+        registry if registry is not None else built_in(),
+        trains,
+        policy if policy is not None else SuspendResume(),
+        settings if settings is not None else MindSettings(),
+    )
+    return kernel, trains

@@ -1,0 +1,191 @@
+"""The virtual-time driver: recordings and simulations, as fast as the machine goes. Same source, same seed, same journal."""
+
+from __future__ import annotations
+
+import asyncio
+import heapq
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+
+import msgspec
+
+from wakeful.contracts.bridge import Item
+from wakeful.contracts.journal import Journal
+from wakeful.contracts.learner import Learner
+from wakeful.contracts.reasoner import Reasoner
+from wakeful.drivers.blobs import JournalBlobs
+from wakeful.drivers.outside import make
+from wakeful.drivers.trainer import Trainer
+from wakeful.facts.events import Draft, Observation, Undecodable
+from wakeful.facts.evidence import Evidence, Outcome
+from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
+from wakeful.facts.lines import Line
+from wakeful.facts.time import to_ns
+from wakeful.kernel import Kernel
+
+#: Lines are committed in groups of about so many; calls and publications commit before they are acted on.
+GROUP_LINES = 512
+
+#: And at least after so many items, so that an eventless stretch moves the source cursor too.
+GROUP_ITEMS = 1024
+
+Pace = Callable[[float], None]
+
+
+class SimulatedDriver:
+    """Drives a kernel in virtual time over one source after the other.
+
+    Args:
+        kernel: fed nothing yet; it is recovered from the journal at once.
+        journal: what is committed to.
+        reasoner: answers the kernel's questions; in virtual time an answer takes its ``latency_s``.
+        learner: trains off the kernel's thread; published at the instant that the training declared.
+        pace: called with the seconds of source time since the last item, before each one (for ``--speed``).
+    """
+
+    def __init__(self, kernel: Kernel, journal: Journal, reasoner: Reasoner, learner: Learner, pace: Pace | None = None) -> None:
+        self.kernel = kernel
+        self.journal = journal
+        self._reasoner = reasoner
+        self._trainer = Trainer(learner)
+        self._pace = pace
+        self._loop = asyncio.new_event_loop()
+        self._answers: list[tuple[int, int, Answer]] = []
+        self._order = itertools.count()
+        self._lines: list[Line] = []
+        self._state: dict[str, bytes | None] = {}
+        self._blobs: dict[str, bytes] = {}
+        self._wake_ns: int | None = None
+        self._take(kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal)))
+        self._commit()
+
+    def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]]) -> Iterator[int]:
+        """Read a source to its end; yields the number of items done so far, after each.
+
+        A source that was begun before and not finished goes on after its cursor; a finished one is read again, and its
+        events are duplicates. Closing the generator early (ctrl-C) commits what was done; the cursor is where it stopped.
+
+        Args:
+            name: of the source, as it is recorded.
+            digest: of its content.
+            items: gives the items after a position.
+
+        Yields:
+            int: the position of the item that was just done.
+        """
+        known = self.kernel.source(name)
+        resumes = known is not None and not known.finished and known.digest == digest
+        after = known.cursor if resumes and known is not None else -1
+        offset_ns = known.offset_ns if resumes and known is not None else None
+        if resumes:
+            self._feed([Begin(source=name, digest=digest)], self.kernel.now_ns)
+        position = after
+        source_ns: int | None = None
+        pending = 0
+        try:
+            for item in items(after):
+                position += 1
+                at_ns = _source_ns(item)
+                if offset_ns is None:
+                    offset_ns = max(0, self.kernel.now_ns - at_ns) if at_ns is not None else self.kernel.now_ns
+                    self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
+                if at_ns is not None:
+                    if self._pace is not None and source_ns is not None:
+                        self._pace(max(0, at_ns - source_ns) / 1e9)
+                    source_ns = at_ns
+                    self._advance(max(self.kernel.now_ns, at_ns + offset_ns))
+                self._feed([_named(item, name, position), Mark(source=name, position=position)], self.kernel.now_ns)
+                pending += 1
+                if pending >= GROUP_ITEMS or len(self._lines) >= GROUP_LINES:
+                    self._commit()
+                    pending = 0
+                yield position
+            if offset_ns is None:
+                self._feed([Begin(source=name, digest=digest, offset_ns=0)], self.kernel.now_ns)
+            self._settle()
+            self._feed([End(source=name)], self.kernel.now_ns)
+            self._settle()
+        finally:
+            self._commit()
+
+    def close(self) -> None:
+        """Commit and let go of thread and loop; the journal stays open."""
+        self._commit()
+        self._trainer.close()
+        self._loop.close()
+
+    # --- time ---
+
+    def _advance(self, until_ns: int) -> None:
+        """Bring the kernel to ``until_ns``, stopping at every instant at which an answer or a publication is due."""
+        while True:
+            due_ns = self._next_due_ns()
+            if due_ns is None or due_ns > until_ns:
+                break
+            self._feed(self._due(due_ns), due_ns)
+        if until_ns > self.kernel.now_ns:
+            self._feed([], until_ns)
+
+    def _settle(self) -> None:
+        """Let what can run run to its end, and what is being answered be answered; waits for the world stay."""
+        while self.kernel.runnable or self._answers or self._trainer.next_publication_ns() is not None:
+            due_ns = self._next_due_ns()
+            wake_ns = self._wake_ns if self.kernel.runnable else None
+            instants = [instant for instant in (due_ns, wake_ns) if instant is not None]
+            if not instants:
+                break
+            self._advance(min(instants))
+
+    def _next_due_ns(self) -> int | None:
+        publication_ns = self._trainer.next_publication_ns()
+        answer_ns = self._answers[0][0] if self._answers else None
+        instants = [instant for instant in (publication_ns, answer_ns) if instant is not None]
+        return min(instants, default=None)
+
+    def _due(self, now_ns: int) -> list[Input]:
+        due: list[Input] = []
+        while self._answers and self._answers[0][0] <= now_ns:
+            due.append(heapq.heappop(self._answers)[2])
+        due.extend(self._trainer.take(now_ns))
+        return due
+
+    # --- the kernel's requests ---
+
+    def _feed(self, inputs: list[Input], now_ns: int) -> None:
+        self._take(self.kernel.feed(inputs, now_ns))
+
+    def _take(self, requests: Requests) -> None:
+        self._lines.extend(requests.lines)
+        self._state.update(requests.state)
+        self._blobs.update(requests.blobs)
+        self._wake_ns = requests.wake_ns
+        if requests.calls or requests.trainings:
+            self._commit()  # record first, then act
+        for call in requests.calls:
+            self._call(call)
+        for training in requests.trainings:
+            self._trainer.start(training)
+
+    def _call(self, call: Call) -> None:
+        answer = self._loop.run_until_complete(make(call, self._reasoner))
+        latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None else 0
+        due_ns = min(call.asked_ns + latency_ns, call.expires_ns)
+        heapq.heappush(self._answers, (due_ns, next(self._order), answer))
+
+    def _commit(self) -> None:
+        if self._lines or self._state or self._blobs:
+            self.journal.commit(self._lines, self._state, self._blobs)
+            self._lines, self._state, self._blobs = [], {}, {}
+
+
+def _source_ns(item: Item) -> int | None:
+    if isinstance(item, Observation | Draft | Evidence | Outcome):
+        return item.at_ns
+    return None
+
+
+def _named(item: Item, source: str, position: int) -> Input:
+    """The item under the name by which the kernel knows its source, at its position in it."""
+    if isinstance(item, Observation | Draft | Undecodable) and (item.source, item.position) != (source, position):
+        return msgspec.structs.replace(item, source=source, position=position)
+    return item

@@ -1,0 +1,24 @@
+"""What a user may set about a mind. Each setting is read somewhere; its default is documented here and nowhere else."""
+
+from __future__ import annotations
+
+from wakeful.facts.values import Fact
+
+
+class MindSettings(Fact, frozen=True):
+    """How one mind thinks.
+
+    ``slots``: processes that may be active at once. ``step_s``: kernel time that one step of work takes (0: the step is over
+    as soon as its code has run, as in the live driver). ``keep_evidence_s``: for how long evidence of undeclared topics is
+    kept for who asks later. ``reopen_limit``: at most so many processes are reopened by one contradiction.
+    ``keep_events``: completed events kept in memory for late outcomes and reopening. ``nearest``: how many validated
+    experiences a decision names as what it rests on.
+    """
+
+    slots: int = 1
+    step_s: float = 0.02
+    seed: int = 0
+    keep_evidence_s: float = 30.0
+    reopen_limit: int = 8
+    keep_events: int = 50_000
+    nearest: int = 3

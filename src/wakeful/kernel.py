@@ -1,0 +1,451 @@
+"""The kernel: the one place that knows the order of the rooms (Eq. 11). Sans-IO and synchronous.
+
+    encounter → register → cover → select treatment → process → validate → learn → reuse/revise
+
+It decides, writes a record, and applies it; every change of its state but registration's memory is the application of a
+record, so recovery is the same code over the journal's lines.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterable, Mapping
+
+import msgspec
+
+from wakeful.admission import Admission, Counts
+from wakeful.contracts.domain import Domain, Registered
+from wakeful.contracts.learner import Learner
+from wakeful.contracts.policy import Policy
+from wakeful.facts.asking import Episode, Query
+from wakeful.facts.decisions import Decision
+from wakeful.facts.events import Draft, Event, Observation, Phase, Undecodable
+from wakeful.facts.evidence import Evidence, Outcome
+from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
+from wakeful.facts.lines import (
+    Acted,
+    Admitted,
+    AnyRecord,
+    Concluded,
+    Duplicate,
+    Finished,
+    Gained,
+    Judged,
+    Line,
+    Noted,
+    Opened,
+    Published,
+    Refused,
+    Reopened,
+    TrainingAsked,
+    Witnessed,
+)
+from wakeful.facts.settings import MindSettings
+from wakeful.facts.time import Stamp, to_ns
+from wakeful.learning import Episodes, Learning
+from wakeful.registration import SpecRegistrar
+from wakeful.revision import Revision
+from wakeful.scheduling.evidence import EvidenceShelf
+from wakeful.scheduling.scheduler import Scheduler
+from wakeful.selection import Selector
+from wakeful.treatments import Registry
+from wakeful.validation import Validation
+from wakeful.version import __version__
+
+_STATE_KEY = "kernel"
+
+
+class SourceState(msgspec.Struct, kw_only=True):
+    """What the kernel remembers of a source: its cursor is the last position fed."""
+
+    digest: str
+    offset_ns: int
+    cursor: int = -1
+    observations: int = 0
+    finished: bool = False
+
+
+class _KernelState(msgspec.Struct, kw_only=True):
+    now_ns: int
+    sources: dict[str, SourceState]
+
+
+class Kernel:
+    """One mind. The driver commits what ``feed`` returns before it acts on it.
+
+    Args:
+        domain: one robot family's vocabulary.
+        registry: the treatments that may be chosen.
+        learner: trains and loads F_θ.
+        policy: chooses among ready processes.
+        settings: how this mind thinks.
+    """
+
+    def __init__(self, domain: Domain, registry: Registry, learner: Learner, policy: Policy, settings: MindSettings) -> None:
+        self.domain = domain
+        self.settings = settings
+        spec = domain.spec
+        options = spec.treatments or registry.names()
+        self._now_ns = 0
+        self._position = 0
+        self._sources: dict[str, SourceState] = {}
+        self._registrars: dict[str, SpecRegistrar] = {}
+        self._events: OrderedDict[str, Event] = OrderedDict()
+        self._admission = Admission()
+        self._selector = Selector(spec, options, learner)
+        self._episodes = Episodes(self._selector.encode)
+        shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
+        self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
+        self._validation = Validation(spec)
+        self._learning = Learning(spec, options, learner, self._selector.encode, seed=settings.seed)
+        self._revision = Revision(spec)
+        self._lines: list[Line] = []
+        self._state: dict[str, bytes | None] = {}
+        self._blobs: dict[str, bytes] = {}
+        self._calls: list[Call] = []
+        self._trainings: list[Training] = []
+
+    # --- what the driver may ask ---
+
+    @property
+    def now_ns(self) -> int:
+        """Kernel time; it never runs back."""
+        return self._now_ns
+
+    @property
+    def runnable(self) -> int:
+        """How many processes could use a slot now, or hold one."""
+        return self._scheduler.processes.runnable
+
+    @property
+    def counts(self) -> Counts:
+        """received = admitted + duplicate + refused."""
+        return self._admission.counts()
+
+    def source(self, name: str) -> SourceState | None:
+        """What is known of a source: where to go on, or that it was finished."""
+        return self._sources.get(name)
+
+    def feed(self, inputs: Iterable[Input], now_ns: int) -> Requests:
+        """Take inputs at ``now_ns`` and say what is to be done.
+
+        What falls due up to ``now_ns`` (steps, limits, windows) is done first, in order of (time, rank, sequence number).
+
+        Args:
+            inputs: in the order of their arrival.
+            now_ns: kernel time; an earlier one than before counts as that.
+
+        Returns:
+            Requests: to be committed as a whole before anything else of it is acted on.
+        """
+        self._until(now_ns)
+        self._now_ns = max(self._now_ns, now_ns)
+        for each in inputs:
+            self._take(each)
+            self._until(self._now_ns)
+        return self._requests()
+
+    # --- the cycle of Eq. 11 ---
+
+    def _take(self, item: Input) -> None:
+        match item:
+            case Observation():
+                self._encounter(item)
+            case Mark(source=source, position=position):
+                self._sources[source].cursor = position
+            case Draft():
+                self._cover(item)
+            case Evidence():
+                self._evidence(item)
+            case Outcome():
+                self._validate(item)
+            case Answer():
+                self._scheduler.answer(item)
+            case Trained():
+                self._reuse(item)
+            case Undecodable():
+                self.write(self._admission.refuse(item))
+            case Begin():
+                self._begin(item)
+            case End():
+                self._end(item)
+            case Act():
+                self._act(item)
+
+    def _encounter(self, observation: Observation) -> None:
+        """Encounter and register: e = D(o, c) (Eq. 1)."""
+        self._sources[observation.source].observations += 1
+        registered: Registered = self._registrars[observation.source].observe(observation)
+        for outcome in registered.outcomes:
+            self._validate(outcome)
+        for evidence in registered.evidence:
+            self._evidence(evidence)
+        for draft in registered.events:
+            self._cover(draft)
+
+    def _cover(self, draft: Draft) -> None:
+        """Cover: an admitted event has a process with a decision from the same instant on (Eq. 3)."""
+        condition = draft.condition
+        if condition is not None and condition.phase in (Phase.REPEATED, Phase.CLEARED):
+            self._evidence(_of_condition(draft, condition.key, condition.phase))
+            return
+        digest = self._sources[draft.source].digest
+        stamp = Stamp(source_ns=draft.at_ns, received_ns=self._now_ns)
+        record = self._admission.admit(draft, digest, stamp)
+        self.write(record)
+        if isinstance(record, Admitted):
+            self._start(record.event)
+
+    def _start(self, event: Event, reopens: int = 0, why: str = "") -> int:
+        decision = self._select(event)
+        if reopens:
+            # What was refuted is not done again unthinkingly.
+            mode = "delib" if decision.mode == "auto" else decision.mode
+            decision = msgspec.structs.replace(decision, mode=mode, reasons=(why, *decision.reasons))
+        deadline_ns = None if event.deadline_s is None else self._now_ns + to_ns(event.deadline_s)
+        return self._scheduler.create(event, decision, deadline_ns=deadline_ns, reopens=reopens)
+
+    def _select(self, event: Event) -> Decision:
+        """Select what treatment, and separately how (Eq. 4)."""
+        nearest = self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
+        return self._selector.decide(event, self._revision.levels(), nearest, self._learning.watermark)
+
+    def _evidence(self, evidence: Evidence) -> None:
+        if evidence.topic == "condition.cleared":
+            self._scheduler.deliver(evidence)
+            self._scheduler.moot(evidence.key)
+        else:
+            self._scheduler.deliver(evidence)
+
+    def concluded(self, record: Concluded) -> None:
+        """A process has its result: it may be judged at once, by an outcome that was there before it."""
+        self._judge(self._validation.concluded(record, self._now_ns))
+
+    def _validate(self, outcome: Outcome) -> None:
+        """Validate: V(r, y) against the recorded result (Eq. 10)."""
+        if self._validation.knows(outcome.id):
+            return
+        self.write(Witnessed(outcome=outcome))
+        self._judge(self._validation.match(outcome, self._now_ns))
+
+    def _judge(self, verdicts: Iterable[Judged]) -> None:
+        for judged in verdicts:
+            self.write(judged)
+            experience = self._validation.experience(judged)
+            if experience is not None:
+                self.write(Gained(experience=experience))
+                self._revise(experience.id)
+                self._learn()
+
+    def _revise(self, experience_id: int) -> None:
+        """Revise: trust moves; what rested on refuted knowledge and is still open to correction is thought about again."""
+        experience = self._learning.experience(experience_id)
+        for trusted in self._revision.weigh(experience):
+            self.write(trusted)
+        for stale in self._revision.reopen(experience, limit=self.settings.reopen_limit):
+            event = self._events.get(stale.event)
+            if event is None:
+                continue
+            process = self._scheduler.processes.next_id
+            self.write(Reopened(process=process, reopens=stale.process, event=stale.event, because=stale.because))
+            self._start(event, reopens=stale.process, why=stale.because)
+
+    def _learn(self) -> None:
+        """Learn: ask for a training where enough was gained (Eq. 8); it runs off the kernel's thread."""
+        asked = self._learning.due(self._now_ns)
+        if asked is not None:
+            self.write(asked)
+            self._trainings.append(self._training(asked))
+
+    def _training(self, asked: TrainingAsked) -> Training:
+        job = self._learning.job(asked, self._selector.weights)
+        return Training(training=asked.training, publish_ns=asked.publish_ns, job=job)
+
+    def _reuse(self, trained: Trained) -> None:
+        """Reuse: a new version selects from here on, if it is not worse on held-back experience."""
+        if not self._learning.expects(trained.training):
+            return
+        if trained.card.accepted:
+            self._blobs[trained.card.blob] = trained.weights
+            self._selector.use(trained.card, trained.weights)
+        self.write(Published(training=trained.training, card=trained.card))
+        self._learn()
+
+    # --- sources and operators ---
+
+    def _begin(self, begin: Begin) -> None:
+        known = self._sources.get(begin.source)
+        resumes = known is not None and not known.finished and known.digest == begin.digest
+        if not resumes:
+            self._forget_registration(begin.source)
+            self._sources[begin.source] = SourceState(digest=begin.digest, offset_ns=begin.offset_ns)
+            self._registrars[begin.source] = SpecRegistrar(self.domain, begin.digest)
+        source = self._sources[begin.source]
+        spec = self.domain.spec
+        self.write(
+            Opened(
+                source=begin.source,
+                digest=begin.digest,
+                domain=spec.name,
+                domain_version=spec.version,
+                offset_ns=source.offset_ns,
+                seed=self.settings.seed,
+                resumed_at=source.cursor + 1 if resumes else 0,
+                software=__version__,
+            )
+        )
+
+    def _forget_registration(self, source: str) -> None:
+        registrar = self._registrars.pop(source, None)
+        if registrar is not None:
+            for part in registrar.parts():
+                self._state[_part_key(source, part)] = None
+
+    def _end(self, end: End) -> None:
+        source = self._sources[end.source]
+        source.finished = True
+        self.write(Finished(source=end.source, observations=source.observations))
+        self._judge(self._validation.break_off(self._now_ns, end.source))
+
+    def _act(self, act: Act) -> None:
+        self.write(Acted(who=act.who, act=act.act, process=act.process, why=act.why))
+        self._scheduler.act(act)
+
+    # --- time ---
+
+    def _until(self, now_ns: int) -> None:
+        """Do what falls due up to ``now_ns``, in the order of its instants."""
+        while True:
+            due_ns = self._scheduler.next_due_ns()
+            closes_ns = self._validation.next_close_ns()
+            if closes_ns is not None and (due_ns is None or closes_ns < due_ns):
+                if closes_ns > now_ns:
+                    break
+                self._now_ns = max(self._now_ns, closes_ns)
+                self._judge(self._validation.close(self._now_ns))
+            elif due_ns is not None and due_ns <= now_ns:
+                self._now_ns = max(self._now_ns, due_ns)
+                self._scheduler.run_due()
+            else:
+                break
+
+    # --- records ---
+
+    def write(self, record: AnyRecord) -> None:
+        """Record, then apply: the only way in which the kernel's state changes."""
+        self._position += 1
+        self._lines.append(Line(self._position, self._now_ns, record))
+        self._apply(record)
+
+    def _apply(self, record: AnyRecord) -> None:
+        now_ns = self._now_ns
+        if isinstance(record, Admitted):
+            self._events[record.event.id] = record.event
+            if len(self._events) > self.settings.keep_events:
+                self._events.popitem(last=False)
+        if isinstance(record, Admitted | Duplicate | Refused):
+            self._admission.apply(record)
+        self._scheduler.processes.apply(record, now_ns)
+        self._validation.apply(record, now_ns)
+        self._learning.apply(record, self._event_of_record(record))
+        self._episodes.apply(record)
+        self._revision.apply(record, now_ns)
+
+    def _event_of_record(self, record: AnyRecord) -> Event | None:
+        return self._events.get(record.experience.event) if isinstance(record, Gained) else None
+
+    def event(self, identity: str) -> Event:
+        """An admitted event that is still in memory. Raises KeyError where it is not."""
+        return self._events[identity]
+
+    def call(self, call: Call) -> None:
+        """Have the driver make a call outside, once the lines are durable."""
+        self._calls.append(call)
+
+    def recall(self, query: Query) -> tuple[Episode, ...]:
+        """Search episodic memory for a process."""
+        return self._episodes.search(query, self._now_ns)
+
+    def closes_ns(self, arrived_ns: int) -> int:
+        """When the window closes in which the world may show the outcome of an event that arrived then."""
+        return arrived_ns + to_ns(self.domain.spec.outcome.within_s)
+
+    def _requests(self) -> Requests:
+        state = self._state
+        state.update(self._scheduler.shelf.changed())
+        for source, registrar in self._registrars.items():
+            for part, value in registrar.changed().items():
+                state[_part_key(source, part)] = value
+        state[_STATE_KEY] = msgspec.json.encode(_KernelState(now_ns=self._now_ns, sources=self._sources))
+        wakes = [due for due in (self._scheduler.next_due_ns(), self._validation.next_close_ns()) if due is not None]
+        requests = Requests(
+            lines=tuple(self._lines),
+            state=state,
+            blobs=self._blobs,
+            calls=tuple(self._calls),
+            trainings=tuple(self._trainings),
+            wake_ns=min(wakes, default=None),
+        )
+        self._lines, self._state, self._blobs, self._calls, self._trainings = [], {}, {}, [], []
+        return requests
+
+    # --- recovery ---
+
+    def recover(self, lines: Iterable[Line], state: Mapping[str, bytes], blobs: Mapping[str, bytes]) -> Requests:
+        """Take up what a journal holds, into a kernel that has been fed nothing yet.
+
+        Args:
+            lines: all of the journal's, in order.
+            state: its keyed state.
+            blobs: weights by name (a mapping that reads lazily will do).
+
+        Returns:
+            Requests: the calls and trainings that were under way, to be made again; and lines where something had to be
+            mended (a call in doubt, code that no longer matches its record).
+        """
+        card = None
+        asked: TrainingAsked | None = None
+        for line in lines:
+            self._position = line.position
+            self._now_ns = line.at_ns
+            self._apply(line.record)
+            if isinstance(line.record, Published):
+                asked = None
+                card = line.record.card if line.record.card.accepted else card
+            elif isinstance(line.record, TrainingAsked):
+                asked = line.record
+        if card is not None:
+            self._selector.use(card, blobs[card.blob])
+        if _STATE_KEY in state:
+            found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
+            self._now_ns = max(self._now_ns, found.now_ns)
+            self._sources = found.sources
+        for source, known in self._sources.items():
+            registrar = SpecRegistrar(self.domain, known.digest)
+            prefix = _part_key(source, "")
+            registrar.restore({key[len(prefix) :]: value for key, value in state.items() if key.startswith(prefix)})
+            self._registrars[source] = registrar
+        self._scheduler.shelf.restore(state)
+        self._scheduler.recover()
+        if asked is not None:
+            self._trainings.append(self._training(asked))
+        return self._requests()
+
+    def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:
+        """Record something that a person should know."""
+        self.write(Noted(what=what, detail=detail, process=process, event=event))
+
+
+def _part_key(source: str, part: str) -> str:
+    return f"registration/{source}\x1f{part}"
+
+
+def _of_condition(draft: Draft, key: str, phase: Phase) -> Evidence:
+    """A repeat or a clearing that was offered as an event is evidence on the condition."""
+    return Evidence(
+        id=f"{draft.source}:{draft.position}:{draft.ordinal}:{phase}",
+        topic=f"condition.{phase}",
+        key=key,
+        at_ns=draft.at_ns,
+        value=msgspec.Raw(msgspec.json.encode(draft.fields)),
+    )

@@ -1,0 +1,163 @@
+"""Driving a process's coroutine: starting it, answering it, and rebuilding it over its recorded answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Coroutine
+
+import msgspec
+
+from wakeful.contracts.treatment import Refusal, Treatment
+from wakeful.facts.asking import Episode, Kind, Reply
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.evidence import Evidence
+from wakeful.facts.lines import Answered
+from wakeful.facts.results import Result, Unresolved
+from wakeful.scheduling.mind import KernelMind
+from wakeful.scheduling.process import Process
+from wakeful.scheduling.thinking import think
+from wakeful.scheduling.wants import Want, Work
+
+#: What an Answered says in ``error`` when the request's limit passed.
+EXPIRED = "expired"
+
+_EPISODES = msgspec.json.Decoder(tuple[Episode, ...])
+_EVIDENCE = msgspec.json.Decoder(tuple[Evidence, ...])
+_REPLY = msgspec.json.Decoder(Reply)
+_TYPED = msgspec.json.Decoder(dict[str, msgspec.Raw])
+
+Step = Work | Want | Result
+
+
+class Mismatch(Exception):
+    """The code no longer makes the requests that were recorded."""
+
+
+class Failure(Exception):
+    """The treatment raised, or returned no Result; ``str`` says what, for the record."""
+
+
+class Coroutines:
+    """Starts, answers and rebuilds coroutines. Holds no state of its own beside what it was made with.
+
+    Args:
+        treatment: finds a treatment by name; raises KeyError where there is none.
+        spec: the domain's data, for every mind.
+        options: the treatments among which deliberation may choose.
+        clock: the kernel's time.
+    """
+
+    def __init__(
+        self,
+        treatment: Callable[[str], Treatment],
+        spec: DomainSpec,
+        options: tuple[str, ...],
+        clock: Callable[[], int],
+    ) -> None:
+        self._treatment = treatment
+        self._spec = spec
+        self._options = options
+        self._clock = clock
+
+    def rebuild(self, process: Process, steps: int) -> Step:
+        """The coroutine's want after all its recorded answers and ``steps`` steps of work, counted over all attempts.
+
+        A process that has not run yet is started by the same way. Nothing outside is run again.
+
+        Raises:
+            Mismatch: the code asks for something else than was recorded.
+            Failure: the treatment raised.
+        """
+        decision = process.decision
+        if process.first_of_attempt is None or decision is None:
+            raise Mismatch("the process has no decision")
+        mind = KernelMind(process.first_of_attempt.mode, process.first_of_attempt, self._spec, self._clock)
+        chosen = process.parent != 0
+        process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)
+        budget = steps - process.base_steps
+        recorded = [asked for asked in process.asked if asked.seq > process.base_seq]
+        want = self.send(process, None)
+        for asked in recorded:
+            while isinstance(want, Work) and budget >= want.left:
+                budget -= want.left
+                want = self.send(process, None)
+            if not isinstance(want, Want) or (want.kind, want.key) != (asked.kind, asked.key):
+                raise Mismatch(
+                    f"request {asked.seq} was recorded as {asked.kind} {asked.key!r}; the code now asks for {_named(want)}"
+                )
+            answer = process.answers.get(asked.seq)
+            if answer is None:
+                return want
+            if asked.args and want.digest() != asked.args:
+                raise Mismatch(f"request {asked.seq} ({asked.kind} {asked.key!r}) now has other arguments than were recorded")
+            want = self.answer(process, want, answer)
+        while isinstance(want, Work) and budget > 0 and budget >= want.left:
+            budget -= want.left
+            want = self.send(process, None)
+        if isinstance(want, Work):
+            want.left -= budget
+        return want
+
+    def send(self, process: Process, value: object) -> Step:
+        """Resume the coroutine with ``value``, up to its next want or its result.
+
+        Raises:
+            Failure: the treatment raised, or returned something that is no Result.
+        """
+        return self._run(_warm(process).send, value)
+
+    def answer(self, process: Process, want: Want, answered: Answered) -> Step:
+        """Resume the coroutine with a recorded answer to ``want``. Raises Failure as ``send`` does."""
+        coroutine = _warm(process)
+        if answered.error and want.kind in (Kind.DELIBERATE, Kind.CALL, Kind.TREAT):
+            return self._run(coroutine.throw, Refusal(answered.error))
+        return self._run(coroutine.send, self._value(want, answered))
+
+    def _value(self, want: Want, answered: Answered) -> object:
+        text = answered.value
+        match want.kind:
+            case Kind.EVIDENCE:
+                return _EVIDENCE.decode(text) if not answered.error else ()
+            case Kind.RECALL:
+                return _EPISODES.decode(text)
+            case Kind.DELIBERATE:
+                return _REPLY.decode(text)
+            case Kind.ASK:
+                return None if answered.error else _REPLY.decode(text)
+            case Kind.TREAT:
+                return self.result(want.key, text)
+            case Kind.CALL:
+                return msgspec.json.decode(text)
+            case _:
+                return None
+
+    def result(self, treatment: str, text: msgspec.Raw) -> Result:
+        """A recorded result in the treatment's own type, or as Unresolved."""
+        if bytes(_TYPED.decode(text)["type"]) == b'"unresolved"':
+            return msgspec.json.decode(text, type=Unresolved)
+        return msgspec.json.decode(text, type=self._treatment(treatment).result)
+
+    @staticmethod
+    def _run(resume: Callable[[object], object] | Callable[[BaseException], object], value: object) -> Step:
+        try:
+            want = resume(value)  # type: ignore[arg-type]  # send takes any value, throw an exception: the caller pairs them
+        except StopIteration as stop:
+            if not isinstance(stop.value, Result):
+                raise Failure(f"it returned {type(stop.value).__name__}, not a Result") from None
+            return stop.value
+        except Exception as error:  # a user's code may raise anything; whatever it is, the event keeps its process
+            raise Failure(f"{type(error).__name__}: {error}"[:500]) from error
+        if not isinstance(want, Work | Want):
+            raise Failure(f"it awaited {type(want).__name__}, which is not the mind's")
+        return want
+
+
+def _warm(process: Process) -> Coroutine[object, object, Result]:
+    if process.coroutine is None:
+        raise Failure("its coroutine is cold; it must be rebuilt first")
+    return process.coroutine
+
+
+def _named(want: Step) -> str:
+    if isinstance(want, Want):
+        return f"{want.kind} {want.key!r}"
+    return "work" if isinstance(want, Work) else "nothing more"

@@ -1,0 +1,137 @@
+"""The mind that a treatment awaits, as the kernel serves it (contracts/treatment.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TypeVar, cast
+
+from wakeful.contracts.treatment import Refusal
+from wakeful.facts.asking import Episode, Kind, Query, Question, Reply, Safety
+from wakeful.facts.decisions import Decision, Mode
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event
+from wakeful.facts.evidence import Evidence
+from wakeful.facts.results import Forecast, Result
+from wakeful.facts.time import to_s
+from wakeful.scheduling.wants import Want, Work, give
+
+T = TypeVar("T")
+
+#: How long a reasoner may take before the process goes on without it.
+DELIBERATION_LIMIT_S = 60.0
+
+#: How long a child process may take before its parent goes on without it.
+CHILD_LIMIT_S = 600.0
+
+
+class KernelMind:
+    """One process's mind. Reading it costs nothing; each await is a preemption point.
+
+    Args:
+        mode: how this attempt is executed.
+        decision: the decision in force.
+        domain: the domain's data.
+        clock: the kernel's time in nanoseconds, as of the last await.
+    """
+
+    def __init__(self, mode: Mode, decision: Decision, domain: DomainSpec, clock: Callable[[], int]) -> None:
+        self._mode = mode
+        self._decision = decision
+        self._domain = domain
+        self._clock = clock
+        self._advice: Reply | None = None
+
+    @property
+    def mode(self) -> Mode:
+        """How this process is executed."""
+        return self._mode
+
+    @property
+    def decision(self) -> Decision:
+        """The decision that started this attempt."""
+        return self._decision
+
+    @property
+    def domain(self) -> DomainSpec:
+        """The domain's data."""
+        return self._domain
+
+    @property
+    def advice(self) -> Reply | None:
+        """What deliberation said when the treatment was chosen."""
+        return self._advice
+
+    def advise(self, reply: Reply) -> None:
+        """Take the reasoner's answer as advice; its forecast becomes the prior."""
+        self._advice = reply
+
+    @property
+    def prior(self) -> dict[str, float]:
+        """Probabilities over the domain's outcome labels to start from."""
+        advice = self._advice
+        if advice is None or advice.forecast not in self._domain.outcome.labels:
+            return self._decision.prior
+        others = [label for label in self._domain.outcome.labels if label != advice.forecast]
+        known = self._decision.prior
+        rest = sum(known.get(label, 0.0) for label in others)
+        left = 1.0 - advice.forecast_probability
+        shares = {label: (known.get(label, 0.0) / rest if rest > 0 else 1.0 / len(others)) for label in others}
+        return {advice.forecast: advice.forecast_probability} | {label: left * share for label, share in shares.items()}
+
+    @property
+    def now_s(self) -> float:
+        """Kernel time at the last await, in seconds."""
+        return to_s(self._clock())
+
+    def forecast(self) -> Forecast | None:
+        """The prior's most probable label; ties go to the label that the domain names first."""
+        prior = self.prior
+        if not prior:
+            return None
+        order = {label: place for place, label in enumerate(self._domain.outcome.labels)}
+        label = min(prior, key=lambda name: (-round(prior[name], 9), order.get(name, len(order))))
+        return Forecast(
+            label=label,
+            probability=round(prior[label], 6),
+            probabilities={name: round(prior[name], 6) for name in sorted(prior)},
+            topic=self._domain.outcome.topic,
+        )
+
+    async def work(self, steps: int = 1) -> None:
+        """Spend cognitive effort, in steps; none for ``steps`` < 1."""
+        if steps > 0:
+            await give(Work(steps))
+
+    async def evidence(self, topic: str, key: str, within_s: float, count: int = 1) -> tuple[Evidence, ...]:
+        """Wait for ``count`` pieces of evidence; fewer when the limit passed."""
+        want = Want(kind=Kind.EVIDENCE, key=f"{topic}\x1f{key}", within_s=within_s, count=count)
+        return cast("tuple[Evidence, ...]", await give(want))
+
+    async def recall(self, query: Query) -> tuple[Episode, ...]:
+        """Search episodic memory."""
+        return cast("tuple[Episode, ...]", await give(Want(kind=Kind.RECALL, key="episodes", within_s=None, query=query)))
+
+    async def deliberate(self, question: Question) -> Reply:
+        """Ask the reasoner. Raises Refusal; in auto and fallback mode always."""
+        if self._mode != "delib":
+            raise Refusal(f"a process in {self._mode} mode does not deliberate")
+        want = Want(kind=Kind.DELIBERATE, key=question.about, within_s=DELIBERATION_LIMIT_S, question=question)
+        return cast("Reply", await give(want))
+
+    async def ask(self, role: str, question: Question, within_s: float) -> Reply | None:
+        """Ask a person; None when nobody answered in time."""
+        want = Want(kind=Kind.ASK, key=f"{role}\x1f{question.about}", within_s=within_s, question=question, role=role)
+        return cast("Reply | None", await give(want))
+
+    async def treat(self, name: str, event: Event) -> Result:
+        """Start another treatment as a child process and wait for its result."""
+        return cast("Result", await give(Want(kind=Kind.TREAT, key=name, within_s=CHILD_LIMIT_S, event=event)))
+
+    async def call(self, function: Callable[[], T | Awaitable[T]], key: str, within_s: float, safety: Safety = "read") -> T:
+        """Run a function outside the kernel; its JSON answer is recorded under ``key``. Raises Refusal."""
+        want = Want(kind=Kind.CALL, key=key, within_s=within_s, safety=safety, function=function)
+        return cast("T", await give(want))
+
+    async def sleep_s(self, seconds: float) -> None:
+        """Wait for kernel time to pass."""
+        await give(Want(kind=Kind.SLEEP, key="", within_s=max(0.0, seconds)))

@@ -1,0 +1,84 @@
+"""One process as the kernel holds it: what was recorded of it, and its coroutine while it is warm."""
+
+from __future__ import annotations
+
+from collections.abc import Coroutine
+
+import msgspec
+
+from wakeful.facts.decisions import Decision
+from wakeful.facts.events import Event
+from wakeful.facts.lines import Answered, Asked
+from wakeful.facts.processes import ProcessView, State
+from wakeful.facts.results import Result
+from wakeful.scheduling.wants import Want, Work
+
+
+class Process(msgspec.Struct, kw_only=True):
+    """Everything but ``coroutine``, ``want``, ``stepping`` and ``ran`` is the fold of the journal's records."""
+
+    id: int
+    event: Event
+    parent: int = 0
+    reopens: int = 0
+    arrived_ns: int
+    deadline_ns: int | None = None
+    state: State = State.CREATED
+    decision: Decision | None = None
+    first_of_attempt: Decision | None = None
+    """The decision with which this attempt began; ``decision`` is the one in force."""
+    steps: int = 0
+    """Completed steps, as of the last transition; the steps since a dispatch are added at the next one."""
+    active_since_ns: int = 0
+    held: bool = False
+    preempted_by: str = ""
+    asked: list[Asked] = []
+    asked_ns: int = 0
+    """When the last request was made."""
+    answers: dict[int, Answered] = {}
+    taken: dict[str, tuple[str, ...]] = {}
+    """Ids of the evidence that it has had, by topic and key: none is delivered to it twice."""
+    base_seq: int = 0
+    """Requests up to this one belong to an earlier attempt (before a restart or a fallback)."""
+    base_steps: int = 0
+    attempts: int = 1
+
+    coroutine: Coroutine[object, object, Result] | None = None
+    want: Work | Want | None = None
+    stepping: bool = False
+    """Within a step: it gives up its slot at the step's end at the earliest."""
+    ran: int = 0
+    """Steps since the dispatch."""
+
+    @property
+    def pending(self) -> Asked | None:
+        """The request that waits for its answer, if any."""
+        last = self.asked[-1] if self.asked else None
+        return last if last is not None and last.seq > self.base_seq and last.seq not in self.answers else None
+
+    @property
+    def next_seq(self) -> int:
+        """The number of the next request."""
+        return self.asked[-1].seq + 1 if self.asked else 1
+
+    def view(self) -> ProcessView:
+        """What a policy may know of it."""
+        decision = self.decision
+        pending = self.pending
+        fields = self.event.context.fields
+        priority = fields.get("priority", self.event.criticality)
+        needed = fields.get("steps_needed")
+        return ProcessView(
+            id=self.id,
+            event=self.event.id,
+            treatment=decision.treatment if decision else "",
+            mode=decision.mode if decision else "fallback",
+            criticality=self.event.criticality,
+            arrived_ns=self.arrived_ns,
+            steps_done=self.steps,
+            task_relevant=bool(self.event.context.task),
+            priority=priority if isinstance(priority, int) else int(self.event.criticality),
+            deadline_ns=self.deadline_ns,
+            steps_needed=needed if isinstance(needed, int) else None,
+            evidence_due_ns=pending.expires_ns if pending else None,
+        )

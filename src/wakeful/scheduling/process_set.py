@@ -1,0 +1,211 @@
+"""The process set (Eq. 5): every open process, folded from the journal's records, and the policy kept informed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import msgspec
+
+from wakeful.contracts.policy import Policy
+from wakeful.facts.asking import Kind
+from wakeful.facts.decisions import Decision
+from wakeful.facts.events import Event
+from wakeful.facts.evidence import Evidence
+from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved
+from wakeful.facts.processes import State, Trigger, after
+from wakeful.scheduling.process import Process
+
+_EVENT = msgspec.json.Decoder(Event)
+_EVIDENCE = msgspec.json.Decoder(tuple[Evidence, ...])
+
+
+class ProcessSet:
+    """Open processes by id. Completed ones are forgotten; the journal remembers them.
+
+    Args:
+        policy: told of every change, in the order of the records, live and in recovery alike.
+        event_of: finds the event of a root process; a child's event stands in its parent's request.
+    """
+
+    def __init__(self, policy: Policy, event_of: Callable[[str], Event]) -> None:
+        self.policy = policy
+        self._event_of = event_of
+        self._open: dict[int, Process] = {}
+        self._runnable: set[int] = set()
+        self._active: list[int] = []
+        self._last = 0
+        self._by_condition: dict[str, list[int]] = {}
+        self._by_evidence: dict[str, list[int]] = {}
+
+    @property
+    def next_id(self) -> int:
+        """The id of the next process."""
+        return self._last + 1
+
+    @property
+    def active(self) -> list[int]:
+        """The processes that hold slots, in the order in which they took them."""
+        return self._active
+
+    @property
+    def runnable(self) -> int:
+        """How many processes could use a slot, or hold one."""
+        return len(self._runnable) + len(self._active)
+
+    def __contains__(self, process: int) -> bool:
+        return process in self._open
+
+    def __iter__(self) -> Iterator[Process]:
+        return iter(self._open.values())
+
+    def __getitem__(self, process: int) -> Process:
+        return self._open[process]
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def get(self, process: int) -> Process | None:
+        """The open process of that id, if it is open."""
+        return self._open.get(process)
+
+    def lasting(self, condition: str) -> list[Process]:
+        """The open processes about that condition, oldest first."""
+        return [self._open[each] for each in self._by_condition.get(condition, ())]
+
+    def expecting(self, topic_key: str) -> list[Process]:
+        """The open processes that wait for that evidence, oldest request first."""
+        return [self._open[each] for each in self._by_evidence.get(topic_key, ())]
+
+    def apply(self, record: AnyRecord, now_ns: int) -> None:
+        """Take up one record. The only way in which the set changes."""
+        if isinstance(record, Moved):
+            self._moved(record, now_ns)
+        elif isinstance(record, Created):
+            self._created(record, now_ns)
+        elif isinstance(record, Decided):
+            self._decided(self._open[record.process], record.decision, now_ns)
+        elif isinstance(record, Asked):
+            process = self._open[record.process]
+            process.asked.append(record)
+            process.asked_ns = now_ns
+            if record.kind is Kind.EVIDENCE:
+                self._by_evidence.setdefault(record.key, []).append(process.id)
+        elif isinstance(record, Answered):
+            self._answered(record)
+        elif isinstance(record, Acted):
+            self._acted(record, now_ns)
+
+    def _created(self, record: Created, now_ns: int) -> None:
+        if record.parent:
+            parent = self._open[record.parent]
+            event = parent.event
+            pending = parent.pending
+            if pending is not None and bytes(pending.detail) != b"null":
+                event = _EVENT.decode(pending.detail)
+        else:
+            event = self._event_of(record.event)
+        process = Process(
+            id=record.process,
+            event=event,
+            parent=record.parent,
+            reopens=record.reopens,
+            arrived_ns=now_ns,
+            deadline_ns=record.deadline_ns,
+            asked=[],
+            answers={},
+            taken={},
+        )
+        self._open[process.id] = process
+        self._last = process.id
+        if event.condition is not None and not record.parent:
+            self._by_condition.setdefault(event.condition.key, []).append(process.id)
+
+    def _decided(self, process: Process, decision: Decision, now_ns: int) -> None:
+        fresh = process.decision is None
+        if fresh or (process.base_seq == (process.asked[-1].seq if process.asked else 0) and process.steps == process.base_steps):
+            process.first_of_attempt = decision
+        process.decision = decision
+        if fresh:
+            self._runnable.add(process.id)
+            self.policy.runnable(process.view(), now_ns)
+        elif process.id in self._runnable and not process.held:
+            self.policy.runnable(process.view(), now_ns)
+
+    def _answered(self, record: Answered) -> None:
+        process = self._open[record.process]
+        process.answers[record.seq] = record
+        if record.kind is Kind.EVIDENCE:
+            _drop(self._by_evidence, record.key, process.id)
+            had = () if record.error else tuple(each.id for each in _EVIDENCE.decode(record.value))
+            process.taken[record.key] = process.taken.get(record.key, ()) + had
+
+    def _moved(self, record: Moved, now_ns: int) -> None:
+        process = self._open[record.process]
+        before = process.state
+        process.state = after(before, record.trigger)
+        process.steps = record.steps
+        if before is State.ACTIVE:
+            self._active.remove(process.id)
+            process.stepping = False
+        self._runnable.discard(process.id)
+        if record.trigger is Trigger.RESTART:
+            self._restarted(process)
+        if process.state is State.ACTIVE:
+            self._active.append(process.id)
+            process.active_since_ns = now_ns
+            process.ran = 0
+        elif process.state is State.COMPLETED:
+            self._completed(process, now_ns)
+        elif process.state is State.WAITING:
+            self.policy.waiting(process.view(), now_ns)
+        else:
+            process.preempted_by = record.by if record.trigger is Trigger.PREEMPT else ""
+            self._runnable.add(process.id)
+            if not process.held:
+                self.policy.runnable(process.view(), now_ns)
+
+    def _restarted(self, process: Process) -> None:
+        pending = process.pending
+        if pending is not None and pending.kind is Kind.EVIDENCE:
+            _drop(self._by_evidence, pending.key, process.id)
+        process.base_seq = process.asked[-1].seq if process.asked else 0
+        process.base_steps = process.steps
+        process.attempts += 1
+        process.first_of_attempt = process.decision
+        if process.coroutine is not None:
+            process.coroutine.close()
+        process.coroutine = None
+        process.want = None
+
+    def _completed(self, process: Process, now_ns: int) -> None:
+        del self._open[process.id]
+        pending = process.pending
+        if pending is not None and pending.kind is Kind.EVIDENCE:
+            _drop(self._by_evidence, pending.key, process.id)
+        if process.event.condition is not None and not process.parent:
+            _drop(self._by_condition, process.event.condition.key, process.id)
+        if process.coroutine is not None:
+            process.coroutine.close()
+            process.coroutine = None
+        self.policy.gone(process.id, now_ns)
+
+    def _acted(self, record: Acted, now_ns: int) -> None:
+        process = self._open.get(record.process)
+        if process is None:
+            return
+        if record.act == "hold":
+            process.held = True
+            self.policy.gone(process.id, now_ns)
+        elif record.act == "release":
+            process.held = False
+            if process.id in self._runnable or process.state is State.ACTIVE:
+                self.policy.runnable(process.view(), now_ns)
+
+
+def _drop(index: dict[str, list[int]], key: str, process: int) -> None:
+    """Take a process out of an index, and the entry with it once nobody is left."""
+    members = index.get(key)
+    if members is not None and process in members:
+        members.remove(process)
+        if not members:
+            del index[key]
