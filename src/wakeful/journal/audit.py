@@ -1,0 +1,94 @@
+"""The audit: walk a journal in the order of its lines and prove, or refute, what wakeful promises."""
+
+from __future__ import annotations
+
+from wakeful.facts.lines import Line
+from wakeful.facts.values import Fact
+from wakeful.journal.checks.check import Check, Offence
+from wakeful.journal.checks.intake import Abandoned, Conservation, Coverage
+from wakeful.journal.checks.learned import Lineage, Verdicts
+from wakeful.journal.checks.order import Positions, Time
+from wakeful.journal.checks.processes import Results, Transitions, Wakeups
+from wakeful.journal.checks.requests import Answers, Repeats
+from wakeful.journal.readable import Readable
+
+#: The checks, in the order of the report. To add one is to write it and name it here.
+CHECKS: tuple[type[Check], ...] = (
+    Positions,
+    Time,
+    Conservation,
+    Coverage,
+    Abandoned,
+    Transitions,
+    Results,
+    Wakeups,
+    Answers,
+    Repeats,
+    Verdicts,
+    Lineage,
+)
+
+
+class Finding(Fact, frozen=True):
+    """What one check found. ``count`` is of offences, ``checked`` of what the rule was put to."""
+
+    ok: bool
+    count: int
+    checked: int
+    says: str
+    first_offender: Offence | None = None
+
+
+class Audit(Fact, frozen=True):
+    """The whole report: ``ok`` when every check is."""
+
+    ok: bool
+    lines: int
+    checks: dict[str, Finding]
+
+    @property
+    def first_offender(self) -> Offence | None:
+        """The offence that stands first in the journal."""
+        offences = [finding.first_offender for finding in self.checks.values() if finding.first_offender]
+        return min(offences, key=lambda offence: offence.position, default=None)
+
+
+def audit(journal: Readable) -> Audit:
+    """Walk a journal once and put every check to it.
+
+    A rule that holds only once a commit is whole is put each time kernel time goes on, and at the end.
+
+    Args:
+        journal: any journal; a running one is audited up to its last committed line.
+
+    Returns:
+        the report. Nothing is raised on a journal that is wrong: that is what the report is for.
+    """
+    checks = [make() for make in CHECKS]
+    last: Line | None = None
+    lines = 0
+    for line in journal.lines():
+        if last is not None and line.at_ns != last.at_ns:
+            for check in checks:
+                check.settle()
+        for check in checks:
+            check.see(line)
+        last = line
+        lines += 1
+    if last is not None:
+        for check in checks:
+            check.settle()
+    return Audit(
+        ok=not any(check.offences for check in checks),
+        lines=lines,
+        checks={
+            check.name: Finding(
+                ok=not check.offences,
+                count=check.offences,
+                checked=check.checked,
+                says=check.says,
+                first_offender=check.first,
+            )
+            for check in checks
+        },
+    )

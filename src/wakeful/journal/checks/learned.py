@@ -1,0 +1,113 @@
+"""Learning: verdicts compare what was recorded, experiences come from verdicts, and model versions have a lineage."""
+
+from __future__ import annotations
+
+from wakeful.facts.experience import Verdict
+from wakeful.facts.lines import Concluded, Decided, Gained, Judged, Line, Published, TrainingAsked, Witnessed
+from wakeful.journal.checks.check import Check
+
+
+class Verdicts(Check):
+    """A verdict compares the RECORDED result with an outcome that arrived, and an experience rests on a verdict."""
+
+    name = "verdicts"
+    says = "every verdict compares the recorded result with a recorded outcome, and every experience rests on a verdict"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._predicted: dict[int, str] = {}
+        self._outcomes: set[str] = set()
+        self._judged: dict[int, set[tuple[str, str, Verdict]]] = {}
+        self._experiences = 0
+
+    def see(self, line: Line) -> None:
+        """Follow a result to its verdict and its experience."""
+        record = line.record
+        match record:
+            case Concluded():
+                self._predicted[record.process] = record.forecast.label if record.forecast else ""
+            case Witnessed():
+                self._outcomes.add(record.outcome.id)
+            case Judged():
+                self.checked += 1
+                self._judge(line, record)
+                self._judged.setdefault(record.process, set()).add((record.predicted, record.label, record.verdict))
+            case Gained():
+                self.checked += 1
+                self._gain(line, record)
+            case _:
+                pass
+
+    def _judge(self, line: Line, record: Judged) -> None:
+        if record.process not in self._predicted:
+            self.offend(line, f"process {record.process} was judged before it concluded")
+        elif self._predicted[record.process] != record.predicted:
+            recorded = self._predicted[record.process]
+            self.offend(line, f"process {record.process} was judged on {record.predicted!r}, but had forecast {recorded!r}")
+        elif record.outcome and record.outcome not in self._outcomes:
+            self.offend(line, f"process {record.process} was judged by outcome {record.outcome}, which never arrived")
+
+    def _gain(self, line: Line, record: Gained) -> None:
+        experience = record.experience
+        judged = self._judged.get(experience.process)
+        self._experiences += 1
+        if experience.id != self._experiences:
+            self.offend(line, f"experience {experience.id} follows {self._experiences - 1}")
+        elif judged is None:
+            self.offend(line, f"experience {experience.id} comes from process {experience.process}, which was never judged")
+        elif (experience.predicted, experience.outcome, experience.verdict) not in judged:
+            self.offend(line, f"experience {experience.id} differs from the verdict on process {experience.process}")
+
+
+class Lineage(Check):
+    """Every model version was asked for, comes from a version that stood before it, and learned from what there was."""
+
+    name = "lineage"
+    says = "every model version has a lineage, and every decision names a version that was accepted before it"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._asked: dict[int, TrainingAsked] = {}
+        self._accepted = {0}
+        self._versions = {0}
+        self._experiences = 0
+
+    def see(self, line: Line) -> None:
+        """Follow a model from its training to the decisions it makes."""
+        record = line.record
+        match record:
+            case Gained():
+                self._experiences += 1
+            case TrainingAsked():
+                self.checked += 1
+                if record.base not in self._accepted:
+                    self.offend(line, f"training {record.training} starts from version {record.base}, which was never accepted")
+                elif record.watermark > self._experiences:
+                    self.offend(
+                        line, f"training {record.training} wants {record.watermark} experiences, there are {self._experiences}"
+                    )
+                self._asked[record.training] = record
+            case Published():
+                self.checked += 1
+                self._publish(line, record)
+            case Decided():
+                self.checked += 1
+                if record.decision.model not in self._accepted:
+                    self.offend(line, f"process {record.process} was decided by version {record.decision.model}, never accepted")
+            case _:
+                pass
+
+    def _publish(self, line: Line, record: Published) -> None:
+        card = record.card
+        asked = self._asked.pop(record.training, None)
+        if asked is None:
+            self.offend(line, f"version {card.version} answers training {record.training}, which is not under way")
+        elif (asked.base, asked.watermark, asked.seed) != (card.base, card.watermark, card.seed):
+            self.offend(line, f"version {card.version} is not what training {record.training} asked for")
+        elif card.version in self._versions:
+            self.offend(line, f"version {card.version} was published before")
+        elif card.accepted and not card.blob:
+            self.offend(line, f"version {card.version} was accepted without weights")
+        self._versions.add(card.version)
+        if card.accepted:
+            self._accepted.add(card.version)

@@ -1,0 +1,42 @@
+"""The journal itself: no line is missing, and kernel time never runs back."""
+
+from __future__ import annotations
+
+from wakeful.facts.lines import Line
+from wakeful.journal.checks.check import Check
+
+
+class Positions(Check):
+    """Positions count from 1 without a gap."""
+
+    name = "positions"
+    says = "positions count from 1 without a gap"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._last = 0
+
+    def see(self, line: Line) -> None:
+        """Each position is the last one's successor."""
+        self.checked += 1
+        if line.position != self._last + 1:
+            self.offend(line, f"position {line.position} follows {self._last}")
+        self._last = line.position
+
+
+class Time(Check):
+    """Kernel time never runs back."""
+
+    name = "time"
+    says = "kernel time never runs back"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._last: int | None = None
+
+    def see(self, line: Line) -> None:
+        """Each instant is not before the last one's."""
+        self.checked += 1
+        if self._last is not None and line.at_ns < self._last:
+            self.offend(line, f"kernel time {line.at_ns} ns comes after {self._last} ns")
+        self._last = line.at_ns

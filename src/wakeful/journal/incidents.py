@@ -1,0 +1,174 @@
+"""How well registration hears: observations per event, events per hour, and incidents that were registered before they came.
+
+Coverage of a deaf registrar is 100 % of nothing. Where a recording knows its incidents (outcomes that the world showed), this
+says how many of them had an event in the window before, how early, and how many random events at the same rate would get.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Sequence
+from statistics import median
+
+from wakeful.facts.time import NS_PER_S, to_ns, to_s
+from wakeful.facts.values import Fact
+from wakeful.journal.history import History, history
+from wakeful.journal.readable import Readable
+
+DEFAULT_WITHIN_S = 60.0
+
+
+class Heard(Fact, frozen=True):
+    """Incidents of one label (or all) that had at least one event in the window before them.
+
+    ``by_chance`` is the share that as many events thrown at random over the same time would get, ``lift`` the quotient.
+    ``first_s`` and ``last_s`` are median seconds from the earliest and the latest such event to the incident.
+    ``foretold`` counts those that a result had forecast by their own label before they came.
+    """
+
+    label: str
+    incidents: int
+    before: int
+    share: float
+    by_chance: float
+    lift: float | None
+    first_s: float | None
+    last_s: float | None
+    foretold: int = 0
+
+
+class KindStats(Fact, frozen=True):
+    """One kind of event: how many, how often, and the incidents that it stood before."""
+
+    kind: str
+    events: int
+    per_hour: float
+    observations: int
+    before: int
+    share: float
+    by_chance: float
+
+
+class Stats(Fact, frozen=True):
+    """What registration made of a source."""
+
+    observations: int
+    events: int
+    observations_per_event: float
+    duration_s: float
+    events_per_hour: float
+    within_s: float
+    kinds: tuple[KindStats, ...]
+    incidents: tuple[Heard, ...]
+
+
+def stats(journal: Readable, within_s: float | None = None) -> Stats:
+    """Registration's statistics.
+
+    Args:
+        journal: any journal.
+        within_s: how long before an incident an event counts as its sign; None: the window of the journal's own forecasts.
+
+    Returns:
+        the statistics; ``incidents`` is empty where the recording knows none, else its first row is of all labels.
+    """
+    return stats_of(history(journal), within_s)
+
+
+def stats_of(read: History, within_s: float | None = None) -> Stats:
+    """The same from a history that was read already."""
+    window_s = _own_window_s(read) if within_s is None else within_s
+    events = [past.event for past in read.events.values()]
+    instants = sorted(event.stamp.source_ns for event in events)
+    shown = sorted((outcome.at_ns, outcome.label, outcome.id) for outcome in read.outcomes.values() if outcome.origin == "world")
+    ends = [*instants, *(at_ns for at_ns, _, _ in shown)]
+    start_ns, end_ns = (min(ends), max(ends)) if ends else (0, 0)
+    hours = to_s(end_ns - start_ns) / 3600
+    frame = (start_ns, end_ns, to_ns(window_s))
+    observed = sum(finished.observations for finished in read.finished) or sum(event.observations for event in events)
+    foretold = _foretold(read)
+    kinds = Counter(event.kind for event in events)
+    rows = []
+    for kind, count in kinds.most_common():
+        own = sorted(event.stamp.source_ns for event in events if event.kind == kind)
+        heard = _heard(kind, own, [at_ns for at_ns, _, _ in shown], frame)
+        rows.append(
+            KindStats(
+                kind=kind,
+                events=count,
+                per_hour=count / hours if hours else 0.0,
+                observations=sum(event.observations for event in events if event.kind == kind),
+                before=heard.before,
+                share=heard.share,
+                by_chance=heard.by_chance,
+            )
+        )
+    labels = ["", *sorted({label for _, label, _ in shown})] if shown else []
+    return Stats(
+        observations=observed,
+        events=len(events),
+        observations_per_event=observed / len(events) if events else 0.0,
+        duration_s=to_s(end_ns - start_ns),
+        events_per_hour=len(events) / hours if hours else 0.0,
+        within_s=window_s,
+        kinds=tuple(rows),
+        incidents=tuple(
+            _heard(
+                label or "any",
+                instants,
+                [at_ns for at_ns, shows, _ in shown if label in ("", shows)],
+                frame,
+                sum(1 for _, shows, identity in shown if label in ("", shows) and identity in foretold),
+            )
+            for label in labels
+        ),
+    )
+
+
+def _own_window_s(read: History) -> float:
+    """The window that most forecasts of the journal were given."""
+    windows = Counter(
+        round(to_s(root.concluded.closes_ns - past.admitted_ns), 3)
+        for past, root in read.roots()
+        if root.concluded and root.concluded.closes_ns is not None and root.concluded.closes_ns > past.admitted_ns
+    )
+    return windows.most_common(1)[0][0] if windows else DEFAULT_WITHIN_S
+
+
+def _foretold(read: History) -> set[str]:
+    """Outcomes that a result had forecast by their own label before they came."""
+    return {
+        judged.outcome
+        for process in read.processes.values()
+        for _, judged in process.verdicts
+        if judged.outcome and judged.predicted == judged.label and (judged.lead_ns is None or judged.lead_ns > 0)
+    }
+
+
+def _heard(
+    label: str, events_ns: Sequence[int], incidents_ns: Sequence[int], frame: tuple[int, int, int], foretold: int = 0
+) -> Heard:
+    start_ns, end_ns, window_ns = frame
+    first, last, chance = [], [], []
+    for at_ns in incidents_ns:
+        opened = bisect_left(events_ns, at_ns - window_ns)
+        closed = bisect_left(events_ns, at_ns)
+        if closed > opened:
+            first.append((at_ns - events_ns[opened]) / NS_PER_S)
+            last.append((at_ns - events_ns[closed - 1]) / NS_PER_S)
+        reach = min(window_ns, at_ns - start_ns) / max(1, end_ns - start_ns)
+        chance.append(1.0 - (1.0 - min(1.0, reach)) ** len(events_ns))
+    share = len(first) / len(incidents_ns) if incidents_ns else 0.0
+    by_chance = sum(chance) / len(chance) if chance else 0.0
+    return Heard(
+        label=label,
+        incidents=len(incidents_ns),
+        before=len(first),
+        share=share,
+        by_chance=by_chance,
+        lift=share / by_chance if by_chance else None,
+        first_s=median(first) if first else None,
+        last_s=median(last) if last else None,
+        foretold=foretold,
+    )

@@ -1,0 +1,371 @@
+"""Every audit check passes on legal lines and fails on lines corrupted in its own way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from msgspec.structs import replace
+
+from tests.journal.builder import Book, full_book, raw
+from tests.journal.strategies import any_lines
+from wakeful.facts.asking import Kind
+from wakeful.facts.lines import (
+    Admitted,
+    Answered,
+    AnyRecord,
+    Asked,
+    Concluded,
+    Created,
+    Decided,
+    Duplicate,
+    Gained,
+    Judged,
+    Line,
+    Moved,
+    Published,
+    Refused,
+    TrainingAsked,
+)
+from wakeful.facts.processes import State, Trigger
+from wakeful.journal.audit import CHECKS, audit
+
+
+class Pages:
+    """A journal of given lines."""
+
+    def __init__(self, lines: list[Line]) -> None:
+        self._lines = lines
+
+    def lines(self, after: int = 0) -> Iterator[Line]:
+        return iter(self._lines[after:])
+
+
+def test_a_legal_journal_passes_every_check_and_every_check_looked_at_something() -> None:
+    report = audit(full_book())
+    assert report.ok, report.first_offender
+    assert [name for name, finding in report.checks.items() if not finding.checked] == []
+
+
+def test_an_empty_journal_is_in_order() -> None:
+    assert audit(Pages([])).ok
+
+
+def test_an_open_end_is_legal_at_every_instant_of_a_run() -> None:
+    lines = list(full_book().lines())
+    instants = [index for index, (line, following) in enumerate(pairwise(lines), 1) if line.at_ns != following.at_ns]
+    for index in instants:
+        report = audit(Pages(lines[:index]))
+        assert report.ok, (index, report.first_offender)
+
+
+Corrupt = Callable[[list[Line]], list[Line]]
+
+
+def first(lines: list[Line], record: type[AnyRecord], /, **having: object) -> int:
+    """The index of the first record of that kind with those values."""
+    return next(
+        index
+        for index, line in enumerate(lines)
+        if isinstance(line.record, record) and all(getattr(line.record, name) == value for name, value in having.items())
+    )
+
+
+def without(index: int, lines: list[Line]) -> list[Line]:
+    """The lines less one, positions counted anew, so that only the intended rule is broken."""
+    return renumbered(lines[:index] + lines[index + 1 :])
+
+
+def renumbered(lines: list[Line]) -> list[Line]:
+    return [Line(position, line.at_ns, line.record) for position, line in enumerate(lines, 1)]
+
+
+def changed(lines: list[Line], index: int, **values: object) -> list[Line]:
+    line = lines[index]
+    return [*lines[:index], Line(line.position, line.at_ns, replace(line.record, **values)), *lines[index + 1 :]]
+
+
+def inserted(lines: list[Line], index: int, record: AnyRecord) -> list[Line]:
+    return renumbered([*lines[:index], Line(0, lines[index - 1].at_ns, record), *lines[index:]])
+
+
+def _gap(lines: list[Line]) -> list[Line]:
+    return [line for line in lines if line.position != 5]
+
+
+def _time_runs_back(lines: list[Line]) -> list[Line]:
+    last = lines[-1]
+    return [*lines[:-1], Line(last.position, 0, last.record)]
+
+
+def _admitted_twice(lines: list[Line]) -> list[Line]:
+    admitted = lines[first(lines, Admitted)].record
+    again = first(lines, Duplicate)
+    return [*lines[:again], Line(lines[again].position, lines[again].at_ns, admitted), *lines[again + 1 :]]
+
+
+def _duplicate_of_nothing(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Duplicate), event="f" * 20)
+
+
+def _refused_without_reason(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Refused), reason="")
+
+
+def _refused_though_admitted(lines: list[Line]) -> list[Line]:
+    admitted = lines[first(lines, Admitted)].record
+    assert isinstance(admitted, Admitted)
+    return changed(lines, first(lines, Refused), event=admitted.event.id)
+
+
+def _never_created(lines: list[Line]) -> list[Line]:
+    return without(first(lines, Created, process=len([line for line in lines if isinstance(line.record, Created)])), lines)
+
+
+def _never_decided(lines: list[Line]) -> list[Line]:
+    last = max(line.record.process for line in lines if isinstance(line.record, Decided))
+    return without(first(lines, Decided, process=last), lines)
+
+
+def _abandoned(lines: list[Line]) -> list[Line]:
+    last = max(line.record.process for line in lines if isinstance(line.record, Created))
+    moved = Moved(process=last, before=State.CREATED, trigger=Trigger.ABANDON, after=State.COMPLETED)
+    return inserted(lines, len(lines), moved)
+
+
+def _illegal_transition(lines: list[Line]) -> list[Line]:
+    last = max(line.record.process for line in lines if isinstance(line.record, Created))
+    moved = Moved(process=last, before=State.CREATED, trigger=Trigger.WAKE, after=State.SUSPENDED)
+    return inserted(lines, len(lines), moved)
+
+
+def _wrong_before(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Moved, trigger=Trigger.PREEMPT), before=State.SUSPENDED)
+
+
+def _lost_steps(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Moved, process=1, trigger=Trigger.DISPATCH), steps=100)
+
+
+def _created_twice(lines: list[Line]) -> list[Line]:
+    index = first(lines, Created)
+    return inserted(lines, index + 1, lines[index].record)
+
+
+def _orphan(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Created, parent=1), parent=99)
+
+
+def _reopens_the_open(lines: list[Line]) -> list[Line]:
+    last = max(line.record.process for line in lines if isinstance(line.record, Created))
+    return changed(lines, first(lines, Created, reopens=1), reopens=last)
+
+
+def _no_result(lines: list[Line]) -> list[Line]:
+    return without(first(lines, Concluded, process=2), lines)
+
+
+def _concluded_twice(lines: list[Line]) -> list[Line]:
+    index = first(lines, Concluded)
+    return inserted(lines, index + 1, lines[index].record)
+
+
+def _wait_without_limit(lines: list[Line]) -> list[Line]:
+    last = max(index for index, line in enumerate(lines) if isinstance(line.record, Asked))
+    return changed(lines, last, expires_ns=None)
+
+
+def _wait_without_request(lines: list[Line]) -> list[Line]:
+    return without(max(index for index, line in enumerate(lines) if isinstance(line.record, Asked)), lines)
+
+
+def _wait_past_its_limit(lines: list[Line]) -> list[Line]:
+    last = lines[-1]
+    return [*lines[:-1], Line(last.position, last.at_ns + 600_000_000_000, last.record)]
+
+
+def _answer_without_request(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Answered), seq=77)
+
+
+def _answer_under_another_request(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Answered, kind=Kind.DELIBERATE), kind=Kind.EVIDENCE)
+
+
+def _asked_by_nobody(lines: list[Line]) -> list[Line]:
+    return inserted(lines, 1, Asked(process=50, seq=1, kind=Kind.CALL, key="k", expires_ns=1))
+
+
+def _answered_twice(lines: list[Line]) -> list[Line]:
+    index = first(lines, Answered)
+    return inserted(lines, index + 1, lines[index].record)
+
+
+def _asked_again(lines: list[Line]) -> list[Line]:
+    index = first(lines, Answered)
+    return inserted(lines, index + 1, lines[first(lines, Asked)].record)
+
+
+def _judged_on_another_forecast(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Judged), predicted="protective_stop")
+
+
+def _judged_by_an_outcome_that_never_came(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Judged), outcome="o999")
+
+
+def _judged_before_it_concluded(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Judged), process=40)
+
+
+def _experience_from_nowhere(lines: list[Line]) -> list[Line]:
+    index = first(lines, Gained)
+    record = lines[index].record
+    assert isinstance(record, Gained)
+    return changed(lines, index, experience=replace(record.experience, process=40))
+
+
+def _experience_unlike_its_verdict(lines: list[Line]) -> list[Line]:
+    index = first(lines, Gained)
+    record = lines[index].record
+    assert isinstance(record, Gained)
+    return changed(lines, index, experience=replace(record.experience, outcome="none"))
+
+
+def _experience_lost(lines: list[Line]) -> list[Line]:
+    return without(first(lines, Gained), lines)
+
+
+def _model_from_nowhere(lines: list[Line]) -> list[Line]:
+    return without(first(lines, TrainingAsked), lines)
+
+
+def _model_other_than_asked(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, TrainingAsked), seed=99)
+
+
+def _training_from_an_unknown_base(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, TrainingAsked), base=7)
+
+
+def _training_from_the_future(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, TrainingAsked), watermark=1000)
+
+
+def _decided_by_a_rejected_model(lines: list[Line]) -> list[Line]:
+    index = first(lines, Published)
+    record = lines[index].record
+    assert isinstance(record, Published)
+    return changed(lines, index, card=replace(record.card, accepted=False))
+
+
+def _version_without_weights(lines: list[Line]) -> list[Line]:
+    index = first(lines, Published)
+    record = lines[index].record
+    assert isinstance(record, Published)
+    return changed(lines, index, card=replace(record.card, blob=""))
+
+
+def _version_twice(lines: list[Line]) -> list[Line]:
+    index = first(lines, Published, training=2)
+    record = lines[index].record
+    assert isinstance(record, Published)
+    return changed(lines, index, card=replace(record.card, version=1))
+
+
+CORRUPTIONS: dict[str, list[Corrupt]] = {
+    "positions": [_gap],
+    "time": [_time_runs_back],
+    "conservation": [_admitted_twice, _duplicate_of_nothing, _refused_without_reason, _refused_though_admitted],
+    "coverage": [_never_created, _never_decided],
+    "abandoned": [_abandoned],
+    "transitions": [_illegal_transition, _wrong_before, _lost_steps, _created_twice, _orphan, _reopens_the_open],
+    "results": [_no_result, _concluded_twice],
+    "wake-ups": [_wait_without_limit, _wait_without_request, _wait_past_its_limit, _never_decided],
+    "answers": [_answer_without_request, _answer_under_another_request, _asked_by_nobody],
+    "repeats": [_answered_twice, _asked_again],
+    "verdicts": [
+        _judged_on_another_forecast,
+        _judged_by_an_outcome_that_never_came,
+        _judged_before_it_concluded,
+        _experience_from_nowhere,
+        _experience_unlike_its_verdict,
+        _experience_lost,
+    ],
+    "lineage": [
+        _model_from_nowhere,
+        _model_other_than_asked,
+        _training_from_an_unknown_base,
+        _training_from_the_future,
+        _decided_by_a_rejected_model,
+        _version_without_weights,
+        _version_twice,
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("check", "corrupt"),
+    [(check, corrupt) for check, ways in CORRUPTIONS.items() for corrupt in ways],
+    ids=lambda way: way if isinstance(way, str) else way.__name__.strip("_"),
+)
+def test_a_corruption_fails_its_own_check(check: str, corrupt: Corrupt) -> None:
+    lines = corrupt(list(full_book().lines()))
+    report = audit(Pages(lines))
+    assert not report.ok
+    found = report.checks[check]
+    assert not found.ok
+    assert found.count >= 1
+    assert found.first_offender is not None
+    assert found.first_offender.position in {line.position for line in lines}
+
+
+def test_every_check_has_a_corruption_that_fails_it() -> None:
+    assert set(CORRUPTIONS) == {check.name for check in CHECKS}
+
+
+def test_the_first_offender_of_the_report_stands_first_in_the_journal() -> None:
+    lines = _abandoned(_refused_without_reason(list(full_book().lines())))
+    offender = audit(Pages(lines)).first_offender
+    assert offender is not None
+    assert offender.record == "refused"
+
+
+def _restarted(second_value: object) -> Book:
+    book = Book()
+    process = book.admit()
+    book.move(process, Trigger.DISPATCH)
+    seq = book.ask(process, Kind.CALL, "plc")
+    book.answer(process, seq, Kind.CALL, "plc", value=41)
+    book.move(process, Trigger.RESTART)
+    book.move(process, Trigger.DISPATCH)
+    book.ask(process, Kind.CALL, "plc")
+    book.write(Answered(process=process, seq=2, kind=Kind.CALL, key="plc", value=raw(second_value)))
+    book.move(process, Trigger.WAKE)
+    return book
+
+
+def test_a_restarted_process_may_take_its_recorded_answer_again() -> None:
+    assert audit(_restarted(41)).ok
+
+
+def test_a_restarted_process_that_ran_an_answered_call_again_is_found() -> None:
+    assert not audit(_restarted(42)).checks["repeats"].ok
+
+
+def test_a_process_that_restarts_may_not_wait_on_nothing() -> None:
+    book = Book()
+    process = book.admit()
+    book.move(process, Trigger.DISPATCH)
+    book.move(process, Trigger.ASK)
+    assert not audit(book).checks["wake-ups"].ok
+
+
+@settings(max_examples=150, deadline=None)
+@given(any_lines())
+def test_the_audit_never_raises_on_typed_lines_in_any_order(lines: list[Line]) -> None:
+    report = audit(Pages(lines))
+    assert report.lines == len(lines)
+    assert report.ok == all(finding.count == 0 for finding in report.checks.values())
