@@ -29,7 +29,13 @@ async def make(call: Call, reasoner: Reasoner) -> Answer:
                 calls=reply.calls,
             )
     except ReasonerError as error:
-        return Answer(process=call.process, seq=call.seq, error=str(error)[:500] or "refused", calls=1)
+        return Answer(
+            process=call.process,
+            seq=call.seq,
+            error=str(error)[:500] or "refused",
+            cost_usd=error.cost_usd,
+            calls=error.calls,
+        )
     except asyncio.CancelledError:
         raise
     except Exception as error:  # a user's function may raise anything; the treatment hears of it as a Refusal

@@ -108,6 +108,24 @@ class SimulatedDriver:
         finally:
             self._commit()
 
+    def begin(self, name: str, digest: str) -> int:
+        """Begin, or go on with, a source whose items are put one by one; returns the position of its last item, -1 for none."""
+        known = self.kernel.source(name)
+        resumes = known is not None and not known.finished
+        held = known.digest if known is not None and resumes else digest
+        self._feed([Begin(source=name, digest=held)], self.kernel.now_ns)
+        self._commit()
+        return known.cursor if known is not None and resumes else -1
+
+    def put(self, inputs: list[Input], at_ns: int) -> tuple[Line, ...]:
+        """Bring the kernel to ``at_ns``, feed, let what can run run to its end, commit; returns the lines that this gave."""
+        before = self.journal.last
+        self._advance(max(self.kernel.now_ns, at_ns))
+        self._feed(inputs, self.kernel.now_ns)
+        self._settle()
+        self._commit()
+        return tuple(self.journal.lines(before))
+
     def close(self) -> None:
         """Commit and let go of thread and loop; the journal stays open."""
         self._commit()
