@@ -8,7 +8,15 @@ from wakeful.facts.asking import Question, Reply
 
 
 class ReasonerError(Exception):
-    """The reasoner did not give an admissible answer: refused, timed out, over budget, malformed. The message says which."""
+    """The reasoner did not give an admissible answer: refused, timed out, over budget, malformed. The message says which.
+
+    ``calls`` and ``cost_usd`` are what the attempt took all the same: the journal records them with the error.
+    """
+
+    def __init__(self, message: str, *, calls: int = 0, cost_usd: float = 0.0) -> None:
+        super().__init__(message)
+        self.calls = calls
+        self.cost_usd = cost_usd
 
 
 class Reasoner(Protocol):
