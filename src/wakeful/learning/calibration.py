@@ -1,0 +1,124 @@
+"""Calibration on held-back experience: one temperature a head, and the thresholds of the paper's gate (0.45 … 0.90)."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from wakeful.learning.network import Floats, Material, softmax
+
+CANDIDATES: Final = tuple(round(0.45 + 0.05 * step, 2) for step in range(10))
+"""The paper's candidate thresholds (Section IV-A)."""
+NEVER: Final = 1.01
+"""A threshold that no confidence reaches: held-back experience speaks against automatic execution."""
+POOLED: Final = "*"
+RESULT: Final = "@result"
+
+_FEW = 8
+_FEW_OF_ONE = 20
+_DIGITS = 9
+
+
+class Marks(msgspec.Struct, frozen=True):
+    """How held-back rows came out: the treatment chosen (n,), both confidences (n,), and whether it was wrong (n,), apart.
+
+    ``judged`` are rows that anything is known of: a right treatment, a wrong one, or an outcome.
+    """
+
+    chosen: npt.NDArray[np.int64]
+    confidence: Floats
+    result_confidence: Floats
+    treatment_wrong: npt.NDArray[np.bool_]
+    result_wrong: npt.NDArray[np.bool_]
+    judged: npt.NDArray[np.bool_]
+
+    @property
+    def wrong(self) -> npt.NDArray[np.bool_]:
+        """Wrong in the result, or in the treatment where it is labelled."""
+        return self.treatment_wrong | self.result_wrong
+
+
+def temperature(z: Floats, label: npt.NDArray[np.int64], weight: Floats) -> float:
+    """The temperature that minimises the weighted cross-entropy of softmax(z / T) over rows with a label; 1 below 8 rows.
+
+    Golden-section search on ln T within [0.25, 8]; the loss has one minimum there.
+    """
+    known = label >= 0
+    if int(known.sum()) < _FEW:
+        return 1.0
+    z, label, weight = z[known], label[known], weight[known]
+    rows = np.arange(len(z))
+
+    def loss(log_temperature: float) -> float:
+        p = softmax(z / math.exp(log_temperature))
+        return float(-(weight * np.log(np.maximum(p[rows, label], 1e-300))).sum())
+
+    low, high, golden = math.log(0.25), math.log(8.0), (math.sqrt(5.0) - 1.0) / 2.0
+    for _ in range(40):
+        left, right = high - golden * (high - low), low + golden * (high - low)
+        if loss(left) <= loss(right):
+            high = right
+        else:
+            low = left
+    return round(math.exp((low + high) / 2.0), 6)
+
+
+def mark(treatments: Floats, labels: Floats, rows: Material) -> Marks:
+    """Compare calibrated probabilities (n, k) and (n, l) with what is known of held-back rows."""
+    chosen = np.argmax(np.round(treatments, _DIGITS), axis=1)
+    said = np.argmax(np.round(labels, _DIGITS), axis=1)
+    labelled, refuted, decided = rows.treatment >= 0, rows.refuted >= 0, rows.result >= 0
+    return Marks(
+        chosen=chosen,
+        confidence=np.round(treatments.max(axis=1), 6),
+        result_confidence=np.round(labels.max(axis=1), 6),
+        treatment_wrong=np.where(labelled, chosen != rows.treatment, refuted & (chosen == rows.refuted)),
+        result_wrong=decided & (said != rows.result),
+        judged=labelled | refuted | decided,
+    )
+
+
+def choose_thresholds(marks: Marks, treatments: tuple[str, ...], target_error: float) -> dict[str, float]:
+    """The thresholds of both heads' confidence, chosen on held-back rows among the paper's candidates.
+
+    The pair that lets most rows pass while the share of wrong ones among these, estimated as (wrong + 1) / (rows + 2), is at most
+    ``target_error``; of equal pairs the stricter. A treatment that was chosen for at least 20 rows gets a threshold of its own,
+    by the same rule and beside the same threshold of the result. Empty below 8 judged rows: too few to choose by.
+    """
+    confidence, result = marks.confidence[marks.judged], marks.result_confidence[marks.judged]
+    chosen, wrong = marks.chosen[marks.judged], marks.wrong[marks.judged]
+    if len(wrong) < _FEW:
+        return {}
+    best = (0, NEVER, NEVER)
+    for needed_result in CANDIDATES:
+        for needed in CANDIDATES:
+            passing = (confidence >= needed) & (result >= needed_result)
+            if _within(passing, wrong, target_error):
+                best = max(best, (int(passing.sum()), needed_result, needed))
+    passed, needed_result, pooled = best
+    if not passed:
+        # No common pair will do; a single treatment may still be reliable beside the strictest demand on the result.
+        needed_result = CANDIDATES[-1]
+    thresholds = {POOLED: pooled, RESULT: needed_result}
+    for index, name in enumerate(treatments):
+        own = chosen == index
+        if int(own.sum()) < _FEW_OF_ONE:
+            continue
+        thresholds[name] = max(
+            (
+                (int(passing.sum()), needed)
+                for needed in CANDIDATES
+                if _within(passing := own & (confidence >= needed) & (result >= needed_result), wrong, target_error)
+            ),
+            default=(0, NEVER),
+        )[1]
+    return thresholds
+
+
+def _within(passing: npt.NDArray[np.bool_], wrong: npt.NDArray[np.bool_], target_error: float) -> bool:
+    rows = int(passing.sum())
+    return rows > 0 and (int(wrong[passing].sum()) + 1) / (rows + 2) <= target_error

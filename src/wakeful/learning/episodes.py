@@ -1,0 +1,198 @@
+"""Episodic memory: what was met, what was concluded and how it ended, searched by likeness. Exact, by brute force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from wakeful.contracts.learner import Vector
+from wakeful.facts.asking import Episode, Query
+from wakeful.facts.events import Event
+from wakeful.facts.experience import Verdict
+from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Gained, Judged
+
+Encode = Callable[[Event], Vector]
+
+_DIGITS: Final = 6
+_FIRST_ROWS: Final = 64
+
+
+class _Said(msgspec.Struct):
+    says: str = ""
+
+
+class _Entry(msgspec.Struct, kw_only=True):
+    event: Event
+    order: int
+    treatment: str = ""
+    says: str = ""
+    predicted: str = ""
+    outcome: str = ""
+    verdict: str = ""
+    experience: int = 0
+
+
+class Episodes:
+    """Remembers at most ``limit`` events; past that the oldest fifth is forgotten at once. State is the fold of records.
+
+    Features are kept as float32 in one array that doubles when it is full. Candidates are found by one matrix product in
+    float32 and then measured again in float64, so that the order is exact; distances are rounded to 6 digits, and equal
+    ones go by newest, then by event id.
+    """
+
+    def __init__(self, encode: Encode, limit: int = 20_000) -> None:
+        self.limit = limit
+        self._encode = encode
+        self._entries: list[_Entry] = []
+        self._at: dict[str, int] = {}
+        self._children: set[int] = set()
+        self._rows: npt.NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
+        self._norms: npt.NDArray[np.float32] = np.zeros(0, dtype=np.float32)
+        self._experienced: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._concluded: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._admitted = 0
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def apply(self, record: AnyRecord) -> None:
+        """Take up a record; all but Admitted, Created, Concluded, Judged and Gained are passed over.
+
+        An event's conclusion is that of its own processes, not of their children.
+        """
+        if isinstance(record, Admitted):
+            self._admit(record.event)
+        elif isinstance(record, Created):
+            if record.parent:
+                self._children.add(record.process)
+        elif isinstance(record, Concluded):
+            self._conclude(record)
+        elif isinstance(record, Judged):
+            entry = self._entry(record.event)
+            if entry is not None and (record.verdict is not Verdict.UNDECIDED or not entry.verdict):
+                entry.predicted, entry.outcome, entry.verdict = record.predicted, record.label, record.verdict.value
+        elif isinstance(record, Gained):
+            entry = self._entry(record.experience.event)
+            if entry is not None:
+                entry.experience = record.experience.id
+                self._experienced[self._at[record.experience.event]] = True
+
+    def search(self, query: Query, now_ns: int) -> tuple[Episode, ...]:
+        """Concluded episodes of the query's entity and kind (any where empty), the likest first, without the query's own event.
+
+        Likeness is 1 / (1 + distance of the features); 1 for all where the query names no remembered event, so that these
+        come newest first. What lies after ``now_ns`` is not there yet.
+        """
+        wanted = self._concluded[: len(self._entries)].copy()
+        own = self._at.get(query.event)
+        if own is not None:
+            wanted[own] = False
+        if query.entity or query.kind:
+            for index in np.flatnonzero(wanted).tolist():
+                event = self._entries[index].event
+                wanted[index] = (not query.entity or event.entity == query.entity) and (
+                    not query.kind or event.kind == query.kind
+                )
+        for index in range(len(self._entries) - 1, -1, -1):
+            if self._entries[index].event.stamp.received_ns <= now_ns:
+                break
+            wanted[index] = False
+        if own is None:
+            newest = np.flatnonzero(wanted)[::-1][: max(0, query.limit)]
+            return tuple(self._episode(int(index), 1.0) for index in newest)
+        likest = self._nearest(self._rows[own].astype(np.float64), wanted, query.limit)
+        return tuple(self._episode(index, round(1.0 / (1.0 + distance), _DIGITS)) for index, distance in likest)
+
+    def nearest(self, features: Vector, k: int) -> tuple[int, ...]:
+        """Ids of the k experiences whose events are likest to these features, shape (d,), the likest first."""
+        found = self._nearest(features, self._experienced[: len(self._entries)], k)
+        return tuple(self._entries[index].experience for index, _ in found)
+
+    def _nearest(self, features: Vector, wanted: npt.NDArray[np.bool_], limit: int) -> list[tuple[int, float]]:
+        places = np.flatnonzero(wanted)
+        if limit <= 0 or not len(places):
+            return []
+        count = len(self._entries)
+        if len(places) > limit:
+            rough = self._norms[:count] - 2.0 * (self._rows[:count] @ features.astype(np.float32))
+            rough = rough[places]
+            # float32 errs by far less than this: whatever might belong to the first `limit` is measured again.
+            slack = 1e-4 * (1.0 + float(np.abs(self._norms[:count]).max()))
+            places = places[rough <= np.partition(rough, limit - 1)[limit - 1] + slack]
+        apart = self._rows[places].astype(np.float64) - features.astype(np.float32)
+        distances = np.round(np.sqrt(np.einsum("ij,ij->i", apart, apart)), _DIGITS)
+        pairs = zip(places.tolist(), distances.tolist(), strict=True)
+        return sorted(pairs, key=lambda pair: (pair[1], -self._entries[pair[0]].order, self._entries[pair[0]].event.id))[:limit]
+
+    def _admit(self, event: Event) -> None:
+        if event.id in self._at:
+            return
+        if len(self._entries) >= self.limit:
+            self._forget()
+        features = self._encode(event).astype(np.float32)
+        index = len(self._entries)
+        if index >= len(self._norms):
+            self._grow(len(features))
+        self._rows[index] = features
+        self._norms[index] = features @ features
+        self._experienced[index] = self._concluded[index] = False
+        self._at[event.id] = index
+        self._admitted += 1
+        self._entries.append(_Entry(event=event, order=self._admitted))
+
+    def _conclude(self, record: Concluded) -> None:
+        if record.process in self._children:
+            self._children.discard(record.process)
+            return
+        entry = self._entry(record.event)
+        if entry is None:
+            return
+        entry.treatment = record.treatment
+        entry.says = msgspec.json.decode(record.result, type=_Said).says
+        entry.predicted = record.forecast.label if record.forecast is not None else ""
+        self._concluded[self._at[record.event]] = True
+
+    def _entry(self, event: str) -> _Entry | None:
+        at = self._at.get(event)
+        return None if at is None else self._entries[at]
+
+    def _episode(self, index: int, likeness: float) -> Episode:
+        entry = self._entries[index]
+        return Episode(
+            event=entry.event.id,
+            kind=entry.event.kind,
+            entity=entry.event.entity,
+            at_ns=entry.event.stamp.source_ns,
+            likeness=likeness,
+            treatment=entry.treatment,
+            says=entry.says,
+            predicted=entry.predicted,
+            outcome=entry.outcome,
+            verdict=entry.verdict,
+            experience=entry.experience,
+            fields=entry.event.fields,
+        )
+
+    def _grow(self, width: int) -> None:
+        rows = max(_FIRST_ROWS, 2 * len(self._norms))
+        count = len(self._entries)
+        larger = np.zeros((rows, width), dtype=np.float32)
+        if count:
+            larger[:count] = self._rows[:count]
+        self._rows = larger
+        self._norms = np.resize(self._norms, rows) if count else np.zeros(rows, dtype=np.float32)
+        self._experienced = np.resize(self._experienced, rows) if count else np.zeros(rows, dtype=np.bool_)
+        self._concluded = np.resize(self._concluded, rows) if count else np.zeros(rows, dtype=np.bool_)
+
+    def _forget(self) -> None:
+        gone = max(1, len(self._entries) // 5)
+        self._entries = self._entries[gone:]
+        self._at = {entry.event.id: index for index, entry in enumerate(self._entries)}
+        kept = len(self._entries)
+        for name in ("_rows", "_norms", "_experienced", "_concluded"):
+            array = getattr(self, name)
+            array[:kept] = array[gone : gone + kept].copy()

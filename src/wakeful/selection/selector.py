@@ -1,0 +1,271 @@
+"""S(e, c, H) of Eq. 4: what treatment an event gets, and separately how it is executed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, Literal
+
+import msgspec
+
+from wakeful.contracts.learner import Estimate, Learner, Predictor
+from wakeful.facts.decisions import Candidate, Decision, Gate, Mode
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event
+from wakeful.facts.experience import ModelCard
+from wakeful.selection.features import Encoder, Vector
+from wakeful.selection.guidelines import Advice, advise, expected
+
+POOLED: Final = "*"
+"""The key of ``ModelCard.thresholds`` for treatments without a threshold of their own."""
+RESULT: Final = "@result"
+"""The key of ``ModelCard.thresholds`` for the result head's confidence."""
+GENERAL_TREATMENTS: Final = ("analogy", "description")
+"""What an unfamiliar event gets where no guideline speaks for anything: a general treatment (Section III of the paper)."""
+
+_GATE_DIGITS = 6
+
+
+class SelectionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """When a treatment may be executed automatically.
+
+    ``confidence`` and ``result_confidence`` are what the two heads need where the model version carries no threshold that was
+    chosen on held-back experience, or always with ``thresholds="fixed"``. ``novelty_limit`` is a quantile of the distances of
+    what is familiar, ``trust_limit`` what revision's trust must reach, ``support`` how many validated experiences a treatment
+    needs.
+    """
+
+    thresholds: Literal["chosen", "fixed"] = "chosen"
+    confidence: float = 0.90
+    result_confidence: float = 0.55
+    novelty_limit: float = 0.99
+    trust_limit: float = 0.5
+    support: int = 1
+
+
+class Selector:
+    """Decides for one event at a time, from its features, trust, and the model version in use; it never sees the truth.
+
+    Args:
+        spec: the domain; its guidelines are what a mind without experience starts from.
+        treatments: all registered treatments, in a fixed order; ``spec.treatments`` may allow fewer.
+        learner: loads the weights that ``use`` is given.
+        settings: the gate.
+
+    Raises:
+        ValueError: the domain allows none of the registered treatments.
+    """
+
+    def __init__(self, spec: DomainSpec, treatments: tuple[str, ...], learner: Learner, settings: SelectionSettings) -> None:
+        self.spec = spec
+        self.settings = settings
+        self.encoder = Encoder(spec, treatments)
+        self.allowed = tuple(name for name in treatments if not spec.treatments or name in spec.treatments)
+        if not self.allowed:
+            raise ValueError(
+                f"domain {spec.name!r} allows {', '.join(spec.treatments)}, but registered are only "
+                f"{', '.join(treatments) or 'none'}; register one of them or change the domain's treatments"
+            )
+        self._learner = learner
+        self._card: ModelCard | None = None
+        self._predictor: Predictor | None = None
+        self._places: tuple[int | None, ...] = ()
+        self._last: tuple[Event, Vector] | None = None
+
+    @property
+    def card(self) -> ModelCard | None:
+        """The model version in use; None while guidelines decide."""
+        return self._card
+
+    @property
+    def predictor(self) -> Predictor | None:
+        """The loaded model version in use."""
+        return self._predictor
+
+    def encode(self, event: Event) -> Vector:
+        """The event's features, shape (d,). The last event's are remembered: read them, don't write to them."""
+        if self._last is None or self._last[0] is not event:
+            features = self.encoder.encode(event)
+            features.flags.writeable = False
+            self._last = (event, features)
+        return self._last[1]
+
+    def use(self, card: ModelCard, weights: bytes) -> None:
+        """Decide with this model version from now on (an older one rolls back).
+
+        Raises:
+            ValueError: the bytes are not a model, or one of other features than this domain's; the version in use stays.
+        """
+        predictor = self._learner.load(weights)
+        if predictor.typical.shape != (self.encoder.size,):
+            raise ValueError(
+                f"model version {card.version} was fitted on {predictor.typical.size} features, "
+                f"domain {self.spec.name!r} now has {self.encoder.size}; it must be trained again"
+            )
+        place = {name: index for index, name in enumerate(predictor.treatments)}
+        self._places = tuple(place.get(name) for name in self.allowed)
+        self._card, self._predictor = card, predictor
+
+    def decide(self, event: Event, trust: Mapping[str, float], nearest: tuple[int, ...], watermark: int) -> Decision:
+        """What treatment the event gets, and how.
+
+        Args:
+            event: the admitted event; ``truth_treatment`` is not looked at.
+            trust: revision's trust per treatment in [0, 1]; one that is not named is fully trusted.
+            nearest: ids of the nearest experiences, recorded as what the decision rests on.
+            watermark: how many experiences the model version in use had learned from.
+
+        Returns:
+            A decision that depends on nothing but these arguments and the version in use. Every number is rounded before it is
+            compared (probabilities to 9 digits, the gate's to 6), so that batching changes nothing.
+        """
+        if self._predictor is None or self._card is None:
+            return self._by_guidelines(event, trust, nearest, watermark)
+        estimate = self._predictor.estimate(self.encode(event))
+        return self._by_model(event, trust, nearest, watermark, self._card, self._predictor, estimate)
+
+    def _by_guidelines(self, event: Event, trust: Mapping[str, float], nearest: tuple[int, ...], watermark: int) -> Decision:
+        advice = advise(self.spec, self.allowed, event)
+        chosen, reasons = self._advised(advice)
+        ranked = _ranked(self.allowed, advice.shares, first=chosen)
+        mode: Mode = "fallback" if advice.leading is None else "delib"
+        reasons.append(
+            "Nothing has been learned yet, so this is "
+            + ("a general treatment for the time being." if mode == "fallback" else "deliberated, not automatic.")
+        )
+        return Decision(
+            treatment=chosen,
+            mode=mode,
+            confidence=round(ranked[0].probability, _GATE_DIGITS),
+            candidates=ranked,
+            reasons=tuple(reasons),
+            gate=self._gate(ranked[0].probability, self.settings.confidence, 1.0, trust.get(chosen, 1.0)),
+            prior=expected(self.spec, advice.leading),
+            watermark=watermark,
+            rests_on=nearest,
+        )
+
+    def _by_model(
+        self,
+        event: Event,
+        trust: Mapping[str, float],
+        nearest: tuple[int, ...],
+        watermark: int,
+        card: ModelCard,
+        predictor: Predictor,
+        estimate: Estimate,
+    ) -> Decision:
+        known = estimate.treatments.tolist()
+        raw = [0.0 if place is None else known[place] for place in self._places]
+        total = sum(raw)
+        shares = tuple(round(value / total, 9) for value in raw) if total > 0.0 else tuple(0.0 for _ in raw)
+        novelty = round(estimate.novelty, _GATE_DIGITS)
+        prior = dict(zip(predictor.labels, estimate.labels.tolist(), strict=True))
+        if novelty > self.settings.novelty_limit or total <= 0.0:
+            advice = advise(self.spec, self.allowed, event)
+            chosen, reasons = self._advised(advice)
+            if advice.leading is not None:
+                shares, prior = advice.shares, expected(self.spec, advice.leading) or prior
+            ranked = _ranked(self.allowed, shares, first=chosen)
+        else:
+            ranked = _ranked(self.allowed, shares)
+            chosen = ranked[0].treatment
+            reasons = [_said(ranked, card)]
+        gate = self._gate(ranked[0].probability, self._threshold(card, chosen), novelty, trust.get(chosen, 1.0))
+        mode, why = self._mode(chosen, gate, prior, card)
+        return Decision(
+            treatment=chosen,
+            mode=mode,
+            confidence=gate.confidence,
+            candidates=ranked,
+            reasons=(*reasons, *why),
+            gate=gate,
+            prior=prior,
+            model=card.version,
+            watermark=watermark,
+            rests_on=nearest,
+        )
+
+    def _mode(self, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard) -> tuple[Mode, list[str]]:
+        """How: unfamiliar leads to fallback, doubt to deliberation, and only what is neither is automatic."""
+        if gate.novelty > gate.novelty_limit:
+            return "fallback", [
+                f"Unlike anything experienced so far: novelty {gate.novelty:.3f} is above {gate.novelty_limit:g}, "
+                "so the treatment is provisional."
+            ]
+        doubts: list[str] = []
+        support = card.support.get(chosen, 0)
+        if support < self.settings.support:
+            doubts.append(
+                f"{chosen} has {support} validated experiences, automatic execution needs {self.settings.support}."
+                if support
+                else f"No experience of {chosen} has been validated yet."
+            )
+        if gate.confidence < gate.threshold:
+            doubts.append(_below("The confidence in the treatment", gate.confidence, gate.threshold))
+        label, confidence = _likeliest(prior)
+        needed = self._threshold(card, RESULT)
+        if confidence < needed:
+            doubts.append(_below(f"The forecast {label!r}", confidence, needed))
+        if gate.trust < gate.trust_limit:
+            doubts.append(f"Trust in {chosen} is {gate.trust:.2f} after contradictions, below {gate.trust_limit:g}.")
+        if doubts:
+            return "delib", doubts
+        return "auto", [
+            f"Automatic: confidence {gate.confidence:.3f} (at least {gate.threshold:.2f}), "
+            f"forecast {label!r} with {confidence:.3f} (at least {needed:.2f}), "
+            f"novelty {gate.novelty:.3f} (at most {gate.novelty_limit:g}), "
+            f"trust {gate.trust:.2f} (at least {gate.trust_limit:g}), {support} validated experiences."
+        ]
+
+    def _advised(self, advice: Advice) -> tuple[str, list[str]]:
+        if advice.leading is not None:
+            return advice.leading.treat, [f"Guideline: {advice.leading.because}"] + [
+                f"Also: {line.because}" for line in advice.also if line.treat != advice.leading.treat
+            ]
+        general = next((name for name in GENERAL_TREATMENTS if name in self.allowed), self.allowed[0])
+        return general, [f"No guideline of domain {self.spec.name} holds for this event."]
+
+    def _threshold(self, card: ModelCard, key: str) -> float:
+        default = self.settings.result_confidence if key == RESULT else self.settings.confidence
+        if self.settings.thresholds == "fixed":
+            return default
+        found = card.thresholds.get(key)
+        if found is None and key != RESULT:
+            found = card.thresholds.get(POOLED)
+        return default if found is None else found
+
+    def _gate(self, confidence: float, threshold: float, novelty: float, trust: float) -> Gate:
+        return Gate(
+            confidence=round(confidence, _GATE_DIGITS),
+            threshold=round(threshold, _GATE_DIGITS),
+            novelty=round(novelty, _GATE_DIGITS),
+            novelty_limit=self.settings.novelty_limit,
+            trust=round(trust, _GATE_DIGITS),
+            trust_limit=self.settings.trust_limit,
+        )
+
+
+def _ranked(names: tuple[str, ...], shares: tuple[float, ...], first: str = "") -> tuple[Candidate, ...]:
+    """By probability rounded to 6 digits, then by the treatments' own order; ``first`` leads whatever its share."""
+    order = sorted(range(len(names)), key=lambda i: (names[i] != first, -round(shares[i], _GATE_DIGITS), i))
+    return tuple(Candidate(treatment=names[i], probability=shares[i]) for i in order)
+
+
+def _likeliest(prior: Mapping[str, float]) -> tuple[str, float]:
+    label = max(prior, key=lambda name: round(prior[name], _GATE_DIGITS), default="")
+    return label, round(prior.get(label, 0.0), _GATE_DIGITS)
+
+
+def _said(ranked: tuple[Candidate, ...], card: ModelCard) -> str:
+    best = ranked[0]
+    after = f", before {ranked[1].treatment} with {ranked[1].probability:.3f}" if len(ranked) > 1 else ""
+    return (
+        f"Model version {card.version}, learned from {card.watermark} experiences, "
+        f"gives {best.treatment} {best.probability:.3f}{after}."
+    )
+
+
+def _below(what: str, number: float, needed: float) -> str:
+    if needed > 1.0:
+        return f"{what} ({number:.3f}) is not enough at any height: held-back experience shows too many errors."
+    return f"{what} ({number:.3f}) is below {needed:.2f}."
