@@ -16,6 +16,8 @@ class FieldSpec(Fact, frozen=True):
     """One field of the domain's events. ``values`` makes it categorical; ``low``/``high`` scale a number to [0, 1].
 
     ``size`` is the length of a numeric vector (a trace, a descriptor) whose every number is scaled so.
+    ``channel`` names a channel whose last value stands in the context of every event under the field's name, ``since`` one
+    whose seconds since its last change do; both may use ``{number}``, the number in the name of the event's entity.
     """
 
     values: tuple[str, ...] = ()
@@ -23,12 +25,15 @@ class FieldSpec(Fact, frozen=True):
     high: float = 1.0
     size: int = 1
     says: str = ""
+    channel: str = ""
+    since: str = ""
 
 
 class DetectorSpec(Fact, frozen=True):
     """One detector: which observations it looks at and which events it registers.
 
-    ``channels`` are ``topic/name`` patterns with ``*``; ``entity`` may use ``{channel}``, ``{topic}``, ``{robot}``.
+    ``channels`` are ``topic/name`` patterns with ``*``; ``entity`` may use ``{channel}``, ``{topic}``, ``{name}``, ``{robot}``
+    and ``{number}`` (the last number in the channel's name).
     """
 
     detector: str
@@ -63,13 +68,18 @@ class OutcomeSource(Fact, frozen=True):
 
 
 class EvidenceSource(Fact, frozen=True):
-    """A channel offered as evidence: a mean over ``every_s``, kept for ``keep_s`` for who asks later."""
+    """A channel offered as evidence: a mean over ``every_s``, kept for ``keep_s`` for who asks later.
+
+    Without ``channels`` it is declared only: a detector of the domain's own offers it, keyed by the entity, about every
+    ``every_s``. ``fields`` names what the value tells of (members where it is an object), if that is not the channel's name.
+    """
 
     topic: str
     channels: tuple[str, ...]
     key: str = "{channel}"
     every_s: float = 1.0
     keep_s: float = 30.0
+    fields: tuple[str, ...] = ()
 
 
 class Guideline(Fact, frozen=True):

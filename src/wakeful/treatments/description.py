@@ -1,0 +1,138 @@
+"""Description: what is there, in a typed scene entry and one sentence. What most events get."""
+
+from __future__ import annotations
+
+from wakeful.contracts.treatment import Mind
+from wakeful.facts.asking import Episode
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event, Relation
+from wakeful.facts.results import Result
+from wakeful.facts.values import Fact, Field
+from wakeful.treatments.decorator import treatment
+from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
+from wakeful.treatments.measures import number, plain
+from wakeful.treatments.remembering import age_s, of_entity, same, similar, typical
+from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
+from wakeful.treatments.wording import bare, brief, span, subject, valued, worded
+
+#: How many sightings or like cases tell what is normal here.
+SIGHTINGS = 8
+
+#: How many attributes the sentence names; the scene entry has them all.
+NAMED = 3
+
+
+class Attribute(Fact, frozen=True):
+    """One attribute as it is, as it usually is here, and whether the two agree (None: nothing to compare with)."""
+
+    name: str
+    value: Field
+    usual: Field = None
+    as_usual: bool | None = None
+    says: str = ""
+
+
+class SceneEntry(Fact, frozen=True):
+    """One thing in the scene: what, where, how it stands to what was remembered, and its attributes."""
+
+    entity: str
+    kind: str
+    relation: Relation
+    zone: str = ""
+    task: str = ""
+    attributes: tuple[Attribute, ...] = ()
+    sightings: int = 0
+    """How many recalled cases "usual" was taken from."""
+    usual_of: str = ""
+    """Whose usual it is: the entity's own, or that of like cases."""
+
+
+class Description(Result, frozen=True, kw_only=True, tag="description"):
+    """What is there, and what is normal here."""
+
+    scene: SceneEntry
+
+
+@treatment(
+    "description",
+    result=Description,
+    says="Describes what is there and what is normal here; for events that are familiar and harmless.",
+)
+async def description(event: Event, mind: Mind) -> Description:
+    """Register what is there as a typed scene entry, compare it with what is usual, and say it in one sentence."""
+    await mind.work(1)
+    own = event.relation is not Relation.NEW
+    past = await (of_entity(event, mind, SIGHTINGS) if own else similar(event, mind, SIGHTINGS))
+    attributes = tuple(
+        _attribute(name, value, [e.fields[name] for e in past if name in e.fields], mind.domain)
+        for name, value in event.fields.items()
+    )
+    odd = [attribute for attribute in attributes if attribute.as_usual is False]
+    voice = recalled_voice(mind.domain, past)
+    forecast = pooled(mind, event, [voice])
+    scene = SceneEntry(
+        entity=brief(event.entity),
+        kind=event.kind,
+        relation=event.relation,
+        zone=brief(event.context.zone),
+        task=brief(event.context.task),
+        attributes=attributes,
+        sightings=len(past),
+        usual_of="" if not past else "its own" if own else "like cases",
+    )
+    compared = [attribute for attribute in attributes if attribute.as_usual is not None]
+    # being sure of a description grows with what it could be compared with
+    confidence = 0.5 + 0.4 * len(compared) / len(attributes) if attributes else NOTHING_TO_GO_ON
+    usual = f"what {scene.entity} is usually like" if own else f"what a {event.kind} is usually like"
+    return Description(
+        says=sentence(
+            mind, _what(event, scene), _shown(attributes, odd), _beside(event, scene, odd, past), expectation(forecast)
+        ),
+        confidence=sure(mind, confidence),
+        rests_on=(f"event {event.id}", *(f"event {episode.event}" for episode in past), *forecast_reasons(mind, [voice])),
+        would_change=(
+            *(f"{worded(a.name, a.usual)}, as usual" for a in odd),
+            *(() if past else (f"sightings that show {usual}",)),
+        )
+        or ("a value outside what is usual here",),
+        forecast=forecast,
+        scene=scene,
+    )
+
+
+def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -> Attribute:
+    spec = domain.fields.get(name)
+    usual = typical(past)
+    as_usual = (
+        None
+        if usual is None
+        else same(name, value, usual, domain.fields) or any(same(name, value, each, domain.fields) for each in past)
+    )
+    if number(value) is not None and as_usual is False:
+        known = [each for each in (number(item) for item in past) if each is not None]
+        as_usual = bool(known) and min(known) <= (number(value) or 0.0) <= max(known)
+    return Attribute(name=name, value=plain(value), usual=usual, as_usual=as_usual, says="" if spec is None else spec.says)
+
+
+def _what(event: Event, scene: SceneEntry) -> str:
+    where = f" in {scene.zone}" if scene.zone else ""
+    return f"{subject(event)} ({event.relation.value}{where}{', safety at stake' if event.context.safety else ''})"
+
+
+def _shown(attributes: tuple[Attribute, ...], odd: list[Attribute]) -> str:
+    # what is unusual is said first, or the sentence would bury it
+    first = [*odd, *(attribute for attribute in attributes if attribute not in odd)]
+    told = [attribute for attribute in first if attribute.value is not None][:NAMED]
+    more = len(attributes) - len(told)
+    listed = ", ".join(worded(attribute.name, attribute.value) for attribute in told)
+    return f": {listed}" + (f" and {more} more" if more > 0 else "") if told else ""
+
+
+def _beside(event: Event, scene: SceneEntry, odd: list[Attribute], past: tuple[Episode, ...]) -> str:
+    if not past:
+        return "; nothing like it is remembered"
+    last = max(age_s(event, past[0]), 0.0)
+    seen = f"; {len(past)} {'sightings' if scene.usual_of == 'its own' else 'like cases'} recalled, the last {span(last)} ago"
+    if not odd:
+        return seen + ", all as usual" if scene.attributes else seen
+    return seen + ", unusual: " + ", ".join(f"{bare(a.name)} (usually {valued(a.name, a.usual)})" for a in odd[:NAMED])

@@ -1,0 +1,252 @@
+"""Diagnosis: which fault explains the symptoms, which check would tell most, and what to do. Waits for that evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from wakeful.contracts.treatment import Mind
+from wakeful.facts.asking import Episode
+from wakeful.facts.domain import Fault
+from wakeful.facts.events import Event
+from wakeful.facts.results import Proposal, Result
+from wakeful.facts.time import to_ns
+from wakeful.facts.values import Fact
+from wakeful.treatments.decorator import treatment
+from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
+from wakeful.treatments.measures import significant
+from wakeful.treatments.noisy_or import Network
+from wakeful.treatments.remembering import age_s, of_entity, similar
+from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
+from wakeful.treatments.symptoms import findings, holds, split
+from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
+from wakeful.treatments.wording import percent, subject, worded
+
+
+class DiagnosisSettings(Fact, frozen=True):
+    """When a fault counts as found, when looking on is worth nothing, and which earlier events still are symptoms."""
+
+    threshold: float = 0.9
+    least_gain_bits: float = 0.01
+    rounds: int = 3
+    leak: float = 0.02
+    """Probability that a symptom appears without any fault of the table."""
+    recent_s: float = 300.0
+    """Other events of the entity so long before this one count as symptoms of the same fault."""
+    episodes: int = 12
+    cases: int = 8
+    model_cases: float = 3.0
+    """How many cases the fault table weighs in the forecast, where it names outcomes."""
+
+
+class Suspect(Fact, frozen=True):
+    """One fault, with its posterior, what speaks for and against it, its check and its remedy."""
+
+    fault: str
+    posterior: float
+    prior: float
+    shown: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+    check: str = ""
+    remedy: str = ""
+
+
+class Check(Fact, frozen=True):
+    """A symptom to look for, and how much it is expected to tell."""
+
+    symptom: str
+    gain_bits: float
+    chance: float
+    evidence: str = ""
+    """Where it can be asked for; empty: only a person can look."""
+
+
+class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
+    """The suspects, the most likely first, and the check that would tell most."""
+
+    suspects: tuple[Suspect, ...] = ()
+    unexplained: float = 1.0
+    """Probability that none of the table's faults is present."""
+    findings: dict[str, bool] = {}
+    next_check: Check | None = None
+    asked: tuple[str, ...] = ()
+    heard: tuple[str, ...] = ()
+    settled: bool = False
+
+
+@treatment(
+    "diagnosis",
+    result=Diagnosis,
+    says="Finds the fault behind abnormal signs of a device, names the most telling check, and waits for its answer.",
+)
+async def diagnosis(event: Event, mind: Mind) -> Diagnosis:
+    """Infer the faults from what is seen, and look for what would tell most."""
+    return await diagnose(event, mind, DiagnosisSettings())
+
+
+async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Diagnosis:
+    """The thinking of ``diagnosis`` with settings of one's own.
+
+    Source: noisy-OR network (Pearl 1988), exact posterior (Heckerman 1989), next check by expected information gain (de Kleer
+    and Williams 1987). It stops when a fault passes the threshold, or nothing more can be asked that would tell enough.
+    """
+    await mind.work(1)
+    network = Network(mind.domain.fault, settings.leak)
+    recent = await _recent(event, mind, settings)
+    known = findings(mind.domain.fault, event, recent)
+    past = await similar(event, mind, settings.cases)
+    await mind.work(1)
+
+    asked: list[str] = []
+    heard: list[str] = []
+    offers = askable(mind.domain, event)
+    while mind.mode == "delib" and len(asked) < settings.rounds and not _settled(network, known, settings):
+        check, offer = _most_telling(network, known, offers, asked, settings)
+        limit_s = patience_s(event, mind, offer) if offer is not None else 0.0
+        if check is None or offer is None or limit_s <= 0.0:
+            break
+        asked.append(check.symptom)
+        for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
+            _take_in(check.symptom, offer, evidence.at_ns, reading(evidence, _field(check.symptom)), known, heard)
+        # while it waited the entity may have shown more
+        recent = await _recent(event, mind, settings)
+        known = {**findings(mind.domain.fault, event, recent), **known}
+        await mind.work(1)
+
+    return _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard))
+
+
+async def _recent(event: Event, mind: Mind, settings: DiagnosisSettings) -> tuple[Episode, ...]:
+    past = await of_entity(event, mind, settings.episodes)
+    return tuple(episode for episode in past if abs(age_s(event, episode)) <= settings.recent_s)
+
+
+def _settled(network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> bool:
+    return max(network.posterior(known).values(), default=1.0) >= settings.threshold
+
+
+def _most_telling(
+    network: Network, known: Mapping[str, bool], offers: Sequence[Askable], asked: Sequence[str], settings: DiagnosisSettings
+) -> tuple[Check | None, Askable | None]:
+    """The open symptom with the greatest expected gain, of those that evidence can be had for if there are any."""
+    checks = []
+    for symptom in network.symptoms:
+        if symptom in known or symptom in asked:
+            continue
+        offered = about(offers, _field(symptom)) if split(symptom) else ()
+        gain = significant(network.gain(symptom, known), 4)
+        if gain >= settings.least_gain_bits:
+            address = offered[0].address if offered else ""
+            found = Check(
+                symptom=symptom, gain_bits=gain, chance=significant(network.chance(symptom, known), 4), evidence=address
+            )
+            checks.append((found, offered[0] if offered else None))
+    return min(checks, key=lambda each: (each[1] is None, -each[0].gain_bits, each[0].symptom), default=(None, None))
+
+
+def _take_in(symptom: str, offer: Askable, at_ns: int, value: object, known: dict[str, bool], heard: list[str]) -> None:
+    condition = split(symptom)
+    if condition is None or not isinstance(value, bool | int | float | str):
+        return
+    shown = holds(condition, {condition[0]: value})
+    if shown is not None:
+        known[symptom] = shown
+        heard.append(f"evidence {offer.address} at {at_ns}: {worded(condition[0], value)}")
+
+
+def _field(symptom: str) -> str:
+    condition = split(symptom)
+    return symptom if condition is None else condition[0]
+
+
+def _conclude(
+    event: Event,
+    mind: Mind,
+    settings: DiagnosisSettings,
+    network: Network,
+    known: Mapping[str, bool],
+    recent: Sequence[Episode],
+    past: Sequence[Episode],
+    asked: tuple[str, ...],
+    heard: tuple[str, ...],
+) -> Diagnosis:
+    posterior = network.posterior(known)
+    suspects = tuple(
+        sorted((_suspect(f, posterior[f.name], known) for f in network.faults), key=lambda s: (-s.posterior, s.fault))
+    )
+    shown = tuple(symptom for symptom, seen in known.items() if seen)
+    check, _ = _most_telling(network, known, askable(mind.domain, event), (), settings) if shown else (None, None)
+    voices = [recalled_voice(mind.domain, past), _outcomes(mind, network, known, settings)]
+    forecast = pooled(mind, event, voices)
+    top = suspects[0] if suspects and shown else None
+    settled = top is not None and top.posterior >= settings.threshold
+    return Diagnosis(
+        says=sentence(mind, subject(event), _named(top, suspects, shown, mind), _next(check, settled), expectation(forecast)),
+        confidence=sure(mind, NOTHING_TO_GO_ON if top is None else top.posterior),
+        rests_on=(
+            f"event {event.id}",
+            *(f"fault table: {symptom} {'seen' if seen else 'not there'}" for symptom, seen in known.items()),
+            *(f"event {episode.event}" for episode in recent if episode.kind in known),
+            *heard,
+            *forecast_reasons(mind, voices),
+        ),
+        would_change=_would_change(top, check, mind),
+        forecast=forecast,
+        proposes=_proposal(event, mind, top if settled else None),
+        suspects=suspects if shown else (),
+        unexplained=significant(network.unexplained(known)) if shown else 1.0,
+        findings=dict(known),
+        next_check=check,
+        asked=asked,
+        heard=heard,
+        settled=settled,
+    )
+
+
+def _suspect(fault: Fault, posterior: float, known: Mapping[str, bool]) -> Suspect:
+    return Suspect(
+        fault=fault.name,
+        posterior=significant(posterior),
+        prior=fault.prior,
+        shown=tuple(symptom for symptom in fault.causes if known.get(symptom) is True),
+        missing=tuple(symptom for symptom in fault.causes if known.get(symptom) is False),
+        check=fault.check,
+        remedy=fault.remedy,
+    )
+
+
+def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> Voice | None:
+    """Where the fault table names outcome labels among what faults cause, it forecasts them."""
+    named = [label for label in mind.domain.outcome.labels[1:] if label in network.symptoms and label not in known]
+    return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named}, settings.model_cases)
+
+
+def _named(top: Suspect | None, suspects: Sequence[Suspect], shown: Sequence[str], mind: Mind) -> str:
+    if not suspects:
+        return f": no diagnosis, because domain {mind.domain.name} has no fault table"
+    if top is None:
+        return f": no fault of the table shows itself ({len(suspects)} faults, none with a symptom seen here)"
+    others = ", ".join(f"{other.fault} {percent(other.posterior)}" for other in suspects[1:3])
+    signs = f"by {', '.join(top.shown)}" if top.shown else f"though {', '.join(shown)} speaks for none of its own signs"
+    return f": {top.fault} {percent(top.posterior)} (from {percent(top.prior)} {signs}{'; then ' + others if others else ''})"
+
+
+def _next(check: Check | None, settled: bool) -> str:
+    if check is None or settled:
+        return ""
+    return f"; look for {check.symptom} next ({check.gain_bits:.2g} bits expected)"
+
+
+def _would_change(top: Suspect | None, check: Check | None, mind: Mind) -> tuple[str, ...]:
+    looked = () if check is None else (f"whether {check.symptom} is there ({check.gain_bits:.2g} bits expected)",)
+    by_hand = (f"check: {top.check}",) if top is not None and top.check else ()
+    if looked or by_hand:
+        return (*looked, *by_hand)
+    return ("a symptom of the fault table",) if mind.domain.fault else ("a fault table for this device",)
+
+
+def _proposal(event: Event, mind: Mind, top: Suspect | None) -> tuple[Proposal, ...]:
+    if top is None or not top.remedy:
+        return ()
+    first = (f"checked: {top.check}",) if top.check else ()
+    until_ns = to_ns(mind.now_s + mind.domain.outcome.within_s)
+    return (Proposal(effect=top.remedy, preconditions=(*first, f"{event.entity} is safe to work on"), valid_until_ns=until_ns),)

@@ -1,0 +1,120 @@
+"""What the world will show: the prior and what a treatment found, pooled with declared weights.
+
+Each voice is a set of probabilities over the domain's outcome labels that weighs as much as so many cases; the pool is their
+weighted mean, which is the posterior mean of a Dirichlet that began empty (a linear opinion pool; Genest and Zidek 1986).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from wakeful.contracts.treatment import Mind
+from wakeful.facts.asking import Episode
+from wakeful.facts.decisions import Mode
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event
+from wakeful.facts.results import Forecast
+from wakeful.facts.values import Fact
+from wakeful.treatments.measures import number, significant
+from wakeful.treatments.wording import percent
+
+#: How many cases the prior weighs. In auto mode the result head has already learned from the episodes that are recalled,
+#: so they may move it only a little; a reasoner's or a guideline's prior has seen none of them.
+PRIOR_CASES: dict[Mode, float] = {"auto": 20.0, "delib": 4.0, "fallback": 2.0}
+
+
+class Voice(Fact, frozen=True):
+    """One opinion: who holds it, over which labels, and how many cases it weighs."""
+
+    who: str
+    probabilities: dict[str, float]
+    cases: float
+
+
+def prior_voice(mind: Mind) -> Voice | None:
+    """The prior (auto: the result head; else the reasoner or guidelines), or the advice's own forecast where there is none."""
+    labels = mind.domain.outcome.labels
+    known = _over(labels, mind.prior)
+    if not known and mind.advice is not None and mind.advice.forecast in labels:
+        known = _spread(labels, mind.advice.forecast, mind.advice.forecast_probability)
+    return Voice(who="prior", probabilities=known, cases=PRIOR_CASES[mind.mode]) if known else None
+
+
+def recalled_voice(domain: DomainSpec, episodes: Iterable[Episode]) -> Voice | None:
+    """How the recalled cases ended, each weighing its likeness; None where none has ended in a label of this domain."""
+    counts: dict[str, float] = {}
+    for episode in episodes:
+        if episode.outcome in domain.outcome.labels:
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + likeness(episode)
+    total = sum(counts.values())
+    if total <= 0.0:
+        return None
+    return Voice(who="recalled outcomes", probabilities={label: c / total for label, c in counts.items()}, cases=total)
+
+
+def model_voice(domain: DomainSpec, who: str, chances: Mapping[str, float], cases: float) -> Voice | None:
+    """What a table or model of the domain says of labels beside the first; the first (nothing happened) takes what is left."""
+    labels = domain.outcome.labels
+    told = {label: min(max(chances[label], 0.0), 1.0) for label in labels[1:] if label in chances}
+    if not told or cases <= 0.0:
+        return None
+    total = sum(told.values())
+    if total > 1.0:
+        told = {label: share / total for label, share in told.items()}
+    return Voice(who=who, probabilities={labels[0]: max(1.0 - total, 0.0), **told}, cases=cases)
+
+
+def pooled(mind: Mind, event: Event, voices: Iterable[Voice | None]) -> Forecast | None:
+    """The forecast that the prior and these voices give together; None where nobody says anything."""
+    outcome = mind.domain.outcome
+    heard = [voice for voice in (prior_voice(mind), *voices) if voice is not None and voice.cases > 0.0]
+    weight = sum(voice.cases for voice in heard)
+    if weight <= 0.0 or not outcome.labels:
+        return None
+    shares = {
+        label: round(sum(voice.cases * voice.probabilities.get(label, 0.0) for voice in heard) / weight, 6)
+        for label in outcome.labels
+    }
+    # equal shares go to the label that stands first in the domain
+    label = max(outcome.labels, key=lambda each: shares[each])
+    return Forecast(
+        label=label,
+        probability=shares[label],
+        probabilities=shares,
+        topic=outcome.topic,
+        entity=event.entity if outcome.scope == "entity" else "*",
+    )
+
+
+def forecast_reasons(mind: Mind, voices: Iterable[Voice | None]) -> tuple[str, ...]:
+    """Whose opinion the forecast rests on, and how much each weighs."""
+    heard = [voice for voice in (prior_voice(mind), *voices) if voice is not None and voice.cases > 0.0]
+    return tuple(f"forecast: {voice.who}, weighing {significant(voice.cases, 3):g} cases" for voice in heard)
+
+
+def expectation(forecast: Forecast | None) -> str:
+    """The forecast as the end of a sentence, or nothing.
+
+    >>> expectation(Forecast(label="none", probability=0.93))
+    '; expect none (93 %)'
+    """
+    return "" if forecast is None else f"; expect {forecast.label} ({percent(forecast.probability)})"
+
+
+def likeness(episode: Episode) -> float:
+    """How much a recalled case counts, in [0, 1]."""
+    return min(max(number(episode.likeness) or 0.0, 0.0), 1.0)
+
+
+def _over(labels: tuple[str, ...], prior: Mapping[str, float]) -> dict[str, float]:
+    known = {label: max(number(prior.get(label)) or 0.0, 0.0) for label in labels if label in prior}
+    total = sum(known.values())
+    return {label: share / total for label, share in known.items()} if total > 0.0 else {}
+
+
+def _spread(labels: tuple[str, ...], label: str, probability: float) -> dict[str, float]:
+    share = min(max(number(probability) or 0.0, 0.0), 1.0)
+    others = [other for other in labels if other != label]
+    if not others:
+        return {label: 1.0}
+    return {label: share, **{other: (1.0 - share) / len(others) for other in others}}

@@ -1,0 +1,141 @@
+"""The hazard table for one event: severity × exposure × likelihood, the likelihood learned from how like cases ended."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal
+
+from wakeful.facts.asking import Episode
+from wakeful.facts.domain import DomainSpec, Hazard, matches
+from wakeful.facts.events import Event
+from wakeful.facts.values import Fact, Field
+from wakeful.treatments.beta import Belief
+from wakeful.treatments.forecasting import likeness
+from wakeful.treatments.measures import significant
+
+Rating = Literal["low", "medium", "serious", "high"]
+
+RATINGS: tuple[Rating, ...] = ("low", "medium", "serious", "high")
+
+#: Levels of the probability of harm (exposure × likelihood), most frequent first: MIL-STD-882E Table II names them A to E; its
+#: bounds are for the life of an item, so these are declared for one event.
+LEVELS: tuple[tuple[str, float], ...] = (
+    ("frequent", 0.3),
+    ("probable", 0.1),
+    ("occasional", 0.03),
+    ("remote", 0.01),
+    ("improbable", 0.0),
+)
+
+#: MIL-STD-882E Table III: the rating by level (row) and severity class 1 (slight) to 4 (fatal) (column).
+MATRIX: dict[str, tuple[Rating, Rating, Rating, Rating]] = {
+    "frequent": ("medium", "serious", "high", "high"),
+    "probable": ("medium", "serious", "high", "high"),
+    "occasional": ("low", "medium", "serious", "high"),
+    "remote": ("low", "medium", "medium", "serious"),
+    "improbable": ("low", "medium", "medium", "medium"),
+}
+
+#: The severity that is assumed of harm that the table does not list: reversible injury or damage.
+UNLISTED_SEVERITY = 2
+
+
+class HazardRow(Fact, frozen=True):
+    """One row: what the table says, what like cases add, and the rating at the mean and at the interval's upper end."""
+
+    hazard: str
+    severity: int
+    exposure: float
+    likelihood: float
+    low: float
+    high: float
+    risk: float
+    rating: Rating
+    rating_at_worst: Rating
+    cases: float = 0.0
+    """How much the like cases weigh together; 0: the likelihood is the table's own."""
+    harmed: float = 0.0
+    cases_to_halve: int = 0
+    control: str = ""
+    listed: bool = True
+
+
+def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> tuple[HazardRow, ...]:
+    """The rows that this event opens, greatest risk first; where none is listed, one for what the table does not know.
+
+    The unlisted row appears only if like cases have ended; it starts from Jeffreys' prior, Beta(1/2, 1/2).
+    """
+    has = circumstances(event)
+    rows = [_listed(hazard, domain, past, table_cases, mass) for hazard in domain.hazard if matches(hazard.when, has)]
+    if not rows and any(case.outcome in domain.outcome.labels for case in past):
+        hits, cases = _harmed("", domain, past)
+        rows = [_row("unlisted harm", UNLISTED_SEVERITY, 1.0, Belief(0.5, 0.5).after(hits, cases - hits), cases, hits, mass)]
+    return tuple(sorted(rows, key=lambda row: (-row.risk, row.hazard)))
+
+
+def worst(rows: Sequence[HazardRow]) -> HazardRow | None:
+    """The row with the worst rating; of equals the greater risk."""
+    return max(rows, key=lambda row: (RATINGS.index(row.rating), row.risk), default=None)
+
+
+def circumstances(event: Event) -> Mapping[str, Field]:
+    """What conditions (``when``) may look at: the event's fields, its context's, and what it is."""
+    return {
+        **event.context.fields,
+        **event.fields,
+        "kind": event.kind,
+        "entity": event.entity,
+        "relation": event.relation.value,
+        "task": event.context.task,
+        "zone": event.context.zone,
+        "safety": event.context.safety,
+        "criticality": event.criticality,
+    }
+
+
+def rating(severity: int, harm: float) -> Rating:
+    """The matrix at a severity class and a probability of harm.
+
+    >>> rating(4, 0.05), rating(1, 0.001)
+    ('high', 'low')
+    """
+    level = next(name for name, least in LEVELS if harm >= least)
+    return MATRIX[level][min(max(severity, 1), 4) - 1]
+
+
+def _listed(hazard: Hazard, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> HazardRow:
+    hits, cases = _harmed(hazard.name, domain, past)
+    belief = Belief.of(hazard.likelihood, table_cases).after(hits, cases - hits)
+    exposure = min(max(hazard.exposure, 0.0), 1.0)
+    return _row(hazard.name, hazard.severity, exposure, belief, cases, hits, mass, hazard.control)
+
+
+def _row(
+    name: str, severity: int, exposure: float, belief: Belief, cases: float, hits: float, mass: float, control: str = ""
+) -> HazardRow:
+    low, high = belief.interval(mass)
+    severity = min(max(severity, 1), 4)
+    return HazardRow(
+        hazard=name,
+        severity=severity,
+        exposure=exposure,
+        likelihood=significant(belief.mean),
+        low=low,
+        high=high,
+        risk=significant(severity / 4 * exposure * belief.mean),
+        rating=rating(severity, exposure * belief.mean),
+        rating_at_worst=rating(severity, exposure * high),
+        cases=significant(cases),
+        harmed=significant(hits),
+        cases_to_halve=belief.cases_to_halve(),
+        control=control,
+        listed=name != "unlisted harm",
+    )
+
+
+def _harmed(hazard: str, domain: DomainSpec, past: Sequence[Episode]) -> tuple[float, float]:
+    """How many of the ended cases (by likeness) showed this hazard: its own label where it has one, else any but the first."""
+    labels = domain.outcome.labels
+    ended = [case for case in past if case.outcome in labels]
+    harm = {hazard} if hazard in labels else set(labels[1:])
+    return sum(likeness(case) for case in ended if case.outcome in harm), sum(likeness(case) for case in ended)

@@ -1,0 +1,119 @@
+"""Memory: how this differs from what was remembered, since when, whether it has happened before, and how that ended."""
+
+from __future__ import annotations
+
+from wakeful.contracts.treatment import Mind
+from wakeful.facts.asking import Episode
+from wakeful.facts.events import Event
+from wakeful.facts.results import Result
+from wakeful.facts.values import Fact
+from wakeful.treatments.decorator import treatment
+from wakeful.treatments.forecasting import expectation, forecast_reasons, likeness, pooled, recalled_voice
+from wakeful.treatments.measures import significant
+from wakeful.treatments.remembering import Difference, Ending, age_s, change, differences, ended, endings, of_entity, similar
+from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
+from wakeful.treatments.wording import bare, brief, span, subject
+
+
+class MemorySettings(Fact, frozen=True):
+    """How much is recalled, what counts as the same happening, and how fast a sighting fades."""
+
+    sightings: int = 12
+    cases: int = 8
+    cases_deliberating: int = 20
+    alike: float = 0.8
+    half_life_s: float = 3600.0
+    """A memory that was never refreshed is worth half after so long; each further sighting makes it last as much longer."""
+
+
+class Memory(Result, frozen=True, kw_only=True, tag="memory"):
+    """The event beside what is remembered of its entity and of like events."""
+
+    known: bool
+    sightings: int = 0
+    last_seen: str = ""
+    last_seen_s: float | None = None
+    retention: float = 0.0
+    """How much of the memory may still hold, in [0, 1]: the forgetting curve at the age of the last sighting."""
+    differs: tuple[Difference, ...] = ()
+    unchanged: tuple[str, ...] = ()
+    happened: int = 0
+    endings: tuple[Ending, ...] = ()
+
+
+@treatment(
+    "memory",
+    result=Memory,
+    says="Compares with what is remembered: what differs, since when, whether it happened before and how it ended.",
+)
+async def memory(event: Event, mind: Mind) -> Memory:
+    """Recall the entity and like events, and say what differs from what was remembered."""
+    return await remember(event, mind, MemorySettings())
+
+
+async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory:
+    """The thinking of ``memory`` with settings of one's own.
+
+    Source: retention falls exponentially with age and more slowly with each repetition (Ebbinghaus 1885; the half-life form of
+    Settles and Meeder 2016).
+    """
+    await mind.work(1)
+    past = await of_entity(event, mind, settings.sightings)
+    limit = settings.cases_deliberating if mind.mode == "delib" else settings.cases
+    alike = [case for case in await similar(event, mind, limit) if likeness(case) >= settings.alike]
+    await mind.work(1)
+
+    differs = differences(event, past, mind.domain.fields)
+    changed = {difference.name for difference in differs}
+    compared = [name for name in event.fields if any(name in episode.fields for episode in past)]
+    last_s = max(age_s(event, past[0]), 0.0) if past else None
+    retention = 0.0 if last_s is None else 0.5 ** (last_s / (settings.half_life_s * len(past)))
+    rows = endings(alike)
+    voice = recalled_voice(mind.domain, alike)
+    forecast = pooled(mind, event, [voice])
+    confidence = max(retention, 1.0 - 0.5 ** sum(row.weight for row in rows)) if past or alike else NOTHING_TO_GO_ON
+    return Memory(
+        says=sentence(mind, subject(event), _differing(differs, past, last_s), _before(rows, len(alike)), expectation(forecast)),
+        confidence=sure(mind, 0.95 * confidence),
+        rests_on=(
+            f"event {event.id}",
+            *(f"event {case.event}" for case in [*past, *(case for case in alike if case not in past)]),
+            *forecast_reasons(mind, [voice]),
+        ),
+        would_change=_would_change(event, differs, alike, mind),
+        forecast=forecast,
+        known=bool(past),
+        sightings=len(past),
+        last_seen=past[0].event if past else "",
+        last_seen_s=last_s,
+        retention=significant(retention, 3),
+        differs=differs,
+        unchanged=tuple(name for name in compared if name not in changed),
+        happened=len(alike),
+        endings=rows,
+    )
+
+
+def _differing(differs: tuple[Difference, ...], past: tuple[Episode, ...], last_s: float | None) -> str:
+    if last_s is None:
+        return " is not remembered at all"
+    if not differs:
+        return f" is as remembered from {span(last_s)} ago ({len(past)} sightings)"
+    told = ", ".join(change(difference) for difference in differs[:3])
+    more = f" and {len(differs) - 3} more" if len(differs) > 3 else ""
+    oldest = max((difference.held_s or 0.0) for difference in differs)
+    return f" differs from what was remembered: {told}{more}, changed within the last {span(oldest)}"
+
+
+def _before(rows: tuple[Ending, ...], happened: int) -> str:
+    return f"; it happened {happened} times before: {ended(rows)}" if happened else "; nothing like it has happened before"
+
+
+def _would_change(event: Event, differs: tuple[Difference, ...], alike: list[Episode], mind: Mind) -> tuple[str, ...]:
+    name = brief(event.entity)
+    moved = tuple(f"a sighting of {name} with {bare(each.name)} as it was" for each in differs[:3])
+    open_cases = sum(1 for case in alike if not case.outcome)
+    waiting = (f"how the {open_cases} like cases end that nobody has seen the end of",) if open_cases else ()
+    label = mind.domain.outcome.labels[:1]
+    first = (f"a like case that does not end in {label[0]}",) if label and alike and not waiting else ()
+    return (*moved, *waiting, *first) or (f"a first sighting or like case of {name}",)

@@ -1,0 +1,172 @@
+"""Risk prediction: which hazards this event opens, how likely harm is by what has happened, and how long there is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wakeful.contracts.treatment import Mind
+from wakeful.facts.asking import Episode
+from wakeful.facts.events import Event
+from wakeful.facts.results import Proposal, Result
+from wakeful.facts.time import to_ns
+from wakeful.facts.values import Fact
+from wakeful.treatments.decorator import treatment
+from wakeful.treatments.forecasting import forecast_reasons, model_voice, pooled, recalled_voice
+from wakeful.treatments.hazards import RATINGS, HazardRow, assess, worst
+from wakeful.treatments.kinematics import Countdown, countdown, to_limit
+from wakeful.treatments.measures import number, significant
+from wakeful.treatments.remembering import similar
+from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
+from wakeful.treatments.waiting import Askable, askable, patience_s, reading
+from wakeful.treatments.wording import percent, span, subject
+
+
+class RiskSettings(Fact, frozen=True):
+    """What is assumed where nothing is known, and when a person is asked to act."""
+
+    table_cases: float = 4.0
+    """How many cases a likelihood of the hazard table weighs."""
+    mass: float = 0.9
+    """The probability that a credible interval holds."""
+    cases: int = 10
+    cases_deliberating: int = 30
+    propose_from: str = "serious"
+    wait_periods: float = 2.0
+    """How many periods of an evidence source to wait for its next reading."""
+
+
+class RiskPrediction(Result, frozen=True, kw_only=True, tag="risk_prediction"):
+    """The hazard table for this event, and the time to consequence."""
+
+    hazards: tuple[HazardRow, ...] = ()
+    consequence: Countdown | None = None
+    halves: str = ""
+    """Which evidence would halve the interval of the worst row."""
+    asked: tuple[str, ...] = ()
+    heard: tuple[str, ...] = ()
+
+
+@treatment(
+    "risk_prediction",
+    result=RiskPrediction,
+    says="Predicts what harm may follow, how likely and how soon; for what is unstable, near, fast or trending to a limit.",
+)
+async def risk_prediction(event: Event, mind: Mind) -> RiskPrediction:
+    """Assess the hazards that the event opens, by the table and by how like cases ended."""
+    return await assess_risk(event, mind, RiskSettings())
+
+
+async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskPrediction:
+    """The thinking of ``risk_prediction`` with settings of one's own.
+
+    Source: ISO 12100 (severity, exposure and likelihood estimated apart), MIL-STD-882E tables I to III (classes and matrix).
+    """
+    await mind.work(1)
+    past = await similar(event, mind, settings.cases_deliberating if mind.mode == "delib" else settings.cases)
+    await mind.work(1)
+    ahead = countdown(event.fields)
+    asked: list[str] = []
+    heard: list[str] = []
+    if mind.mode == "delib":
+        for offer in _of_its_own(event, askable(mind.domain, event)):
+            limit_s = min(patience_s(event, mind, offer), settings.wait_periods * offer.every_s)
+            if limit_s > 0.0:
+                asked.append(offer.address)
+                ahead = await _hear(event, mind, offer, limit_s, ahead, heard)
+                await mind.work(1)
+
+    rows = assess(event, mind.domain, past, settings.table_cases, settings.mass)
+    top = worst(rows)
+    # the table's own likelihoods: the rows have taken in the like cases, which have a voice of their own
+    open_now = {row.hazard for row in rows if row.listed}
+    told = {hazard.name: hazard.likelihood for hazard in mind.domain.hazard if hazard.name in open_now}
+    voices = [recalled_voice(mind.domain, past), model_voice(mind.domain, "hazard table", told, settings.table_cases)]
+    forecast = pooled(mind, event, voices)
+    halves = _halves(top, askable(mind.domain, event))
+    # sure of a risk is who has a narrow interval, whatever its middle
+    confidence = NOTHING_TO_GO_ON if top is None else 1.0 - (top.high - top.low)
+    return RiskPrediction(
+        says=sentence(mind, subject(event), _risk(top, settings.mass), _time(ahead, heard)),
+        confidence=sure(mind, confidence),
+        rests_on=(
+            f"event {event.id}",
+            *(f"hazard table: {row.hazard}" for row in rows if row.listed),
+            *(f"event {case.event}" for case in past if case.outcome),
+            *heard,
+            *forecast_reasons(mind, voices),
+        ),
+        would_change=(halves, *_unseen(past)),
+        forecast=forecast,
+        proposes=_proposals(event, mind, top, ahead, settings),
+        hazards=rows,
+        consequence=ahead,
+        halves=halves,
+        asked=tuple(asked),
+        heard=tuple(heard),
+    )
+
+
+def _of_its_own(event: Event, offers: Sequence[Askable]) -> Sequence[Askable]:
+    """Fresh readings of the very channel that the event is about: only these continue its value."""
+    return [offer for offer in offers if offer.channel and offer.channel in (event.fields.get("channel"), event.entity)][:1]
+
+
+async def _hear(
+    event: Event, mind: Mind, offer: Askable, limit_s: float, ahead: Countdown | None, heard: list[str]
+) -> Countdown | None:
+    """Wait for a fresh reading; with the event's own value it gives a slope, and so a time to the limit."""
+    for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
+        fresh = number(reading(evidence))
+        before = number(event.fields.get("value"))
+        gap_s = (evidence.at_ns - event.stamp.source_ns) / 1e9
+        if fresh is None:
+            continue
+        heard.append(f"evidence {offer.address}: {fresh:.3g} after {span(gap_s)}")
+        if before is not None and gap_s > 0.0:
+            ahead = to_limit(fresh, (fresh - before) / gap_s, event.fields) or ahead
+    return ahead
+
+
+def _risk(top: HazardRow | None, mass: float) -> str:
+    if top is None:
+        return " opens no hazard of the table, and nothing like it has ended yet: its risk is unknown"
+    name = top.hazard.replace("_", " ")
+    return (
+        f" carries a {top.rating} risk of {name}: likelihood {percent(top.likelihood)} "
+        f"({percent(mass)} credible {percent(top.low)} to {percent(top.high)}), severity class {top.severity} of 4"
+    )
+
+
+def _time(ahead: Countdown | None, heard: Sequence[str]) -> str:
+    if ahead is None:
+        return ""
+    return f"; {ahead.what} in {span(ahead.in_s)} ({ahead.because}{', by a fresh reading' if heard else ''})"
+
+
+def _halves(top: HazardRow | None, offers: Sequence[Askable]) -> str:
+    reading_of = f", or a reading of {offers[0].address}" if offers else ""
+    if top is None:
+        return f"the outcome of one like case{reading_of}"
+    return f"the outcomes of about {top.cases_to_halve} more like cases would halve the interval{reading_of}"
+
+
+def _unseen(past: Sequence[Episode]) -> tuple[str, ...]:
+    waiting = sum(1 for case in past if not case.outcome)
+    return (f"how the {waiting} like cases end that are still open",) if waiting else ()
+
+
+def _proposals(
+    event: Event, mind: Mind, top: HazardRow | None, ahead: Countdown | None, settings: RiskSettings
+) -> tuple[Proposal, ...]:
+    if top is None or not top.control or RATINGS.index(top.rating) < RATINGS.index(settings.propose_from):
+        return ()
+    lasts_s = min(mind.domain.outcome.within_s, ahead.in_s if ahead is not None else mind.domain.outcome.within_s)
+    soon = ahead is not None and ahead.in_s < mind.domain.outcome.within_s
+    return (
+        Proposal(
+            effect=top.control,
+            preconditions=(f"{top.hazard} still possible at {event.entity}", "no person is put at risk by it"),
+            authority="supervisor" if soon else "operator",
+            valid_until_ns=to_ns(significant(mind.now_s + max(lasts_s, 0.0), 15)),
+        ),
+    )

@@ -1,0 +1,123 @@
+"""Names, numbers and units as sentences say them. Text from the world is quoted in short, never followed."""
+
+from __future__ import annotations
+
+from wakeful.facts.events import Event
+from wakeful.facts.values import Field
+
+#: What the end of a field's name says of its unit (the house writes units into names).
+UNITS: dict[str, str] = {
+    "mps2": "m/s²",
+    "mps": "m/s",
+    "dps": "°/s",
+    "degps": "°/s",
+    "radps": "rad/s",
+    "m": "m",
+    "mm": "mm",
+    "cm": "cm",
+    "s": "s",
+    "ms": "ms",
+    "deg": "°",
+    "rad": "rad",
+    "c": "°C",
+    "degc": "°C",
+    "k": "K",
+    "a": "A",
+    "ma": "mA",
+    "v": "V",
+    "w": "W",
+    "wh": "Wh",
+    "n": "N",
+    "nm": "N·m",
+    "hz": "Hz",
+    "pct": "%",
+    "percent": "%",
+    "kg": "kg",
+    "bar": "bar",
+    "pa": "Pa",
+    "rpm": "rpm",
+    "steps": "steps",
+}
+
+_SPANS = ((86_400.0, "d"), (3_600.0, "h"), (60.0, "min"), (1.0, "s"))
+
+
+def brief(text: str, limit: int = 60) -> str:
+    """Text from the world in one line of at most ``limit`` characters. It is quoted as data, never followed.
+
+    >>> brief("a\\n  b"), brief("x" * 9, 5)
+    ('a b', 'xxxx…')
+    """
+    # cut before splitting: a field may be megabytes long
+    line = " ".join(text[: 4 * limit].split())
+    return line if len(line) <= limit else line[: limit - 1] + "…"
+
+
+def unit(name: str) -> str:
+    """The unit that a field's name ends in, or nothing."""
+    head, _, tail = name.rpartition("_")
+    return UNITS.get(tail.lower(), "") if head else ""
+
+
+def quantity(name: str, value: float, digits: int = 3) -> str:
+    """A number with the unit of its field.
+
+    >>> quantity("distance_m", 1.2345), quantity("tilt_deg", 7.0), quantity("load", 0.71)
+    ('1.23 m', '7°', '0.71')
+    """
+    sign = unit(name)
+    said = f"{value:.{digits}g}"
+    return said + sign if sign in ("°", "%") else f"{said} {sign}".rstrip()
+
+
+def bare(name: str) -> str:
+    """A field's name as a sentence says it, without its unit: ``distance_m`` is "distance"."""
+    return brief((name.rpartition("_")[0] if unit(name) else name).replace("_", " "), 40)
+
+
+def valued(name: str, value: Field) -> str:
+    """A field's value as a sentence says it, with the unit that the name carries."""
+    if value is None:
+        return "unknown"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return brief(value) or "empty"
+    if isinstance(value, tuple):
+        return f"({len(value)} numbers)"
+    return quantity(name, value)
+
+
+def worded(name: str, value: Field) -> str:
+    """A field as a sentence says it.
+
+    >>> worded("distance_m", 1.5), worded("state", "unstable"), worded("safe", False)
+    ('distance 1.5 m', 'state unstable', 'safe no')
+    """
+    return f"{bare(name)} {valued(name, value)}"
+
+
+def span(seconds: float) -> str:
+    """A length of time as a person says it.
+
+    >>> span(0.25), span(90), span(7200), span(200_000)
+    ('0.25 s', '1.5 min', '2 h', '2.3 d')
+    """
+    for size, word in _SPANS:
+        if abs(seconds) >= size:
+            return f"{seconds / size:.2g} {word}" if seconds < 10 * size else f"{seconds / size:.0f} {word}"
+    return f"{seconds:.2g} s"
+
+
+def percent(share: float) -> str:
+    """A probability as a person reads it: whole per cents, finer below one and above 99."""
+    return f"{100 * share:.0f} %" if 0.01 <= share <= 0.99 or share in (0.0, 1.0) else f"{100 * share:.2g} %"
+
+
+def subject(event: Event, limit: int = 120) -> str:
+    """What a sentence is about: the entity, and what registration says of it or else the kind of event."""
+    name = brief(event.entity) or "something"
+    said = brief(event.says, limit).rstrip(".")
+    if said:
+        return said if name in said else f"{name}: {said}"
+    return f"{name}: {event.kind.replace('_', ' ')}"
