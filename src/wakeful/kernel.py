@@ -21,6 +21,7 @@ from wakeful.facts.asking import Episode, Query
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Draft, Event, Observation, Phase, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
+from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
 from wakeful.facts.lines import (
     Acted,
@@ -42,13 +43,14 @@ from wakeful.facts.lines import (
 )
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import Stamp, to_ns
-from wakeful.learning import Episodes, Learning
+from wakeful.learning.episodes import Episodes
+from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.registration import SpecRegistrar
 from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
-from wakeful.selection import Selector
-from wakeful.treatments import Registry
+from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
 from wakeful.version import __version__
 
@@ -90,14 +92,16 @@ class Kernel:
         self._position = 0
         self._sources: dict[str, SourceState] = {}
         self._registrars: dict[str, SpecRegistrar] = {}
+        self._parts: dict[str, set[str]] = {}
         self._events: OrderedDict[str, Event] = OrderedDict()
         self._admission = Admission()
-        self._selector = Selector(spec, options, learner)
+        self._selector = Selector(spec, options, learner, SelectionSettings())
         self._episodes = Episodes(self._selector.encode)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
-        self._learning = Learning(spec, options, learner, self._selector.encode, seed=settings.seed)
+        self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings(seed=settings.seed))
+        self._weights = b""
         self._revision = Revision(spec)
         self._lines: list[Line] = []
         self._state: dict[str, bytes | None] = {}
@@ -208,7 +212,9 @@ class Kernel:
     def _select(self, event: Event) -> Decision:
         """Select what treatment, and separately how (Eq. 4)."""
         nearest = self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
-        return self._selector.decide(event, self._revision.levels(), nearest, self._learning.watermark)
+        card = self._selector.card
+        watermark = card.watermark if card is not None else 0
+        return self._selector.decide(event, self._revision.levels(), nearest, watermark)
 
     def _evidence(self, evidence: Evidence) -> None:
         if evidence.topic == "condition.cleared":
@@ -219,7 +225,7 @@ class Kernel:
 
     def concluded(self, record: Concluded) -> None:
         """A process has its result: it may be judged at once, by an outcome that was there before it."""
-        self._judge(self._validation.concluded(record, self._now_ns))
+        self._judge(self._validation.concluded(record))
 
     def _validate(self, outcome: Outcome) -> None:
         """Validate: V(r, y) against the recorded result (Eq. 10)."""
@@ -234,12 +240,11 @@ class Kernel:
             experience = self._validation.experience(judged)
             if experience is not None:
                 self.write(Gained(experience=experience))
-                self._revise(experience.id)
+                self._revise(experience)
                 self._learn()
 
-    def _revise(self, experience_id: int) -> None:
+    def _revise(self, experience: Experience) -> None:
         """Revise: trust moves; what rested on refuted knowledge and is still open to correction is thought about again."""
-        experience = self._learning.experience(experience_id)
         for trusted in self._revision.weigh(experience):
             self.write(trusted)
         for stale in self._revision.reopen(experience, limit=self.settings.reopen_limit):
@@ -258,18 +263,23 @@ class Kernel:
             self._trainings.append(self._training(asked))
 
     def _training(self, asked: TrainingAsked) -> Training:
-        job = self._learning.job(asked, self._selector.weights)
+        job = self._learning.job(asked, self._weights)
         return Training(training=asked.training, publish_ns=asked.publish_ns, job=job)
 
     def _reuse(self, trained: Trained) -> None:
         """Reuse: a new version selects from here on, if it is not worse on held-back experience."""
-        if not self._learning.expects(trained.training):
+        pending = self._learning.pending
+        if pending is None or pending.training != trained.training:
             return
         if trained.card.accepted:
             self._blobs[trained.card.blob] = trained.weights
-            self._selector.use(trained.card, trained.weights)
+            self._use(trained.card, trained.weights)
         self.write(Published(training=trained.training, card=trained.card))
         self._learn()
+
+    def _use(self, card: ModelCard, weights: bytes) -> None:
+        self._selector.use(card, weights)
+        self._weights = weights
 
     # --- sources and operators ---
 
@@ -296,10 +306,8 @@ class Kernel:
         )
 
     def _forget_registration(self, source: str) -> None:
-        registrar = self._registrars.pop(source, None)
-        if registrar is not None:
-            for part in registrar.parts():
-                self._state[_part_key(source, part)] = None
+        for part in self._parts.pop(source, ()):
+            self._state[_part_key(source, part)] = None
 
     def _end(self, end: End) -> None:
         source = self._sources[end.source]
@@ -347,12 +355,15 @@ class Kernel:
             self._admission.apply(record)
         self._scheduler.processes.apply(record, now_ns)
         self._validation.apply(record, now_ns)
-        self._learning.apply(record, self._event_of_record(record))
+        self._learn_from(record)
         self._episodes.apply(record)
         self._revision.apply(record, now_ns)
 
-    def _event_of_record(self, record: AnyRecord) -> Event | None:
-        return self._events.get(record.experience.event) if isinstance(record, Gained) else None
+    def _learn_from(self, record: AnyRecord) -> None:
+        if not isinstance(record, Gained):
+            self._learning.apply(record)
+        elif (event := self._events.get(record.experience.event)) is not None:
+            self._learning.apply(record, event)
 
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""
@@ -375,6 +386,7 @@ class Kernel:
         state.update(self._scheduler.shelf.changed())
         for source, registrar in self._registrars.items():
             for part, value in registrar.changed().items():
+                self._parts.setdefault(source, set()).add(part)
                 state[_part_key(source, part)] = value
         state[_STATE_KEY] = msgspec.json.encode(_KernelState(now_ns=self._now_ns, sources=self._sources))
         wakes = [due for due in (self._scheduler.next_due_ns(), self._validation.next_close_ns()) if due is not None]
@@ -415,7 +427,7 @@ class Kernel:
             elif isinstance(line.record, TrainingAsked):
                 asked = line.record
         if card is not None:
-            self._selector.use(card, blobs[card.blob])
+            self._use(card, blobs[card.blob])
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
@@ -423,7 +435,9 @@ class Kernel:
         for source, known in self._sources.items():
             registrar = SpecRegistrar(self.domain, known.digest)
             prefix = _part_key(source, "")
-            registrar.restore({key[len(prefix) :]: value for key, value in state.items() if key.startswith(prefix)})
+            parts = {key[len(prefix) :]: value for key, value in state.items() if key.startswith(prefix)}
+            registrar.restore(parts)
+            self._parts[source] = set(parts)
             self._registrars[source] = registrar
         self._scheduler.shelf.restore(state)
         self._scheduler.recover()

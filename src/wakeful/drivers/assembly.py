@@ -8,9 +8,9 @@ from wakeful.contracts.policy import Policy
 from wakeful.domains import load
 from wakeful.facts.settings import MindSettings
 from wakeful.kernel import Kernel
-from wakeful.learning import TwoHeads
+from wakeful.learning.two_heads import TwoHeads
 from wakeful.scheduling import SuspendResume
-from wakeful.treatments import Registry, built_in
+from wakeful.treatments.registry import Registry
 
 
 def assemble(
@@ -37,7 +37,7 @@ def assemble(
     trains = learner if learner is not None else TwoHeads()
     kernel = Kernel(
         found,
-        registry if registry is not None else built_in(),
+        registry if registry is not None else Registry(installed=None),
         trains,
         policy if policy is not None else SuspendResume(),
         settings if settings is not None else MindSettings(),

@@ -24,7 +24,7 @@ from wakeful.facts.lines import Admitted, Concluded, Decided, Duplicate, Line, R
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.values import Field
 from wakeful.journal import MemoryJournal, open_journal
-from wakeful.treatments import Registry
+from wakeful.treatments.registry import Registry
 
 if TYPE_CHECKING:
     from types import TracebackType
