@@ -10,7 +10,7 @@ import msgspec
 from wakeful.contracts.domain import DomainError
 from wakeful.facts.domain import DetectorSpec, DomainSpec, FieldSpec, Guideline, Hazard, OutcomeSpec, Scalar
 
-EVENT_WORDS = ("kind", "relation", "entity", "task", "zone", "safety", "criticality", "phase", "robot")
+EVENT_WORDS = ("kind", "relation", "entity", "task", "zone", "safety", "criticality", "condition")
 """What a ``when`` may name beside the domain's own fields."""
 
 
@@ -122,13 +122,19 @@ def _hazard_mistakes(place: str, hazard: Hazard) -> Iterator[Mistake]:
 
 def _when_mistakes(place: str, when: Mapping[str, Scalar | list[Scalar]], spec: DomainSpec) -> Iterator[Mistake]:
     for name, wanted in when.items():
-        if name not in spec.fields and name not in EVENT_WORDS:
+        if name not in spec.fields and name not in EVENT_WORDS and name not in _history(spec):
             yield f"{place}: when.{name}", "no such field", f"declare [fields.{name}], or use one of {', '.join(EVENT_WORDS)}"
         if isinstance(wanted, str) and wanted[:1] in ("<", ">"):
             try:
                 float(wanted.lstrip("<>").removeprefix("="))
             except ValueError:
                 yield f"{place}: when.{name}", f"{wanted!r} compares with no number", 'write for instance ">0.6"'
+
+
+def _history(spec: DomainSpec) -> set[str]:
+    """The fields of recent history that registration puts into every event's context (wakeful.registration.history)."""
+    labels = {name for label in spec.outcome.labels for name in (f"since_{label}_s", f"recent_{label}")}
+    return {"since_event_s", "recent_events", "since_entity_s", "recent_entity", "since_same_s", *labels}
 
 
 def _probability(place: str, what: str, value: float) -> Iterator[Mistake]:

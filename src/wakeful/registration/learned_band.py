@@ -1,0 +1,71 @@
+"""A band that a number usually stays in, learned as it goes: robust, forgetting, of fixed size."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+
+LOW, MIDDLE, HIGH = 0.05, 0.5, 0.95
+"""The quantiles that are followed. Ten per cent outside do not move them, however far out they are."""
+
+GAUSS: Final = 1.645
+"""Standard deviations from the middle to the 95 % quantile of a normal distribution: makes `Band.score` read like one."""
+
+STEP: Final = 2.0
+
+
+class Band(msgspec.Struct):
+    """Three quantiles followed by stochastic approximation (Robbins and Monro 1951), started from the sorted first values.
+
+    A step is bounded by the band's own width, so that outliers cannot stretch it, while a lasting change of level is taken up
+    within about ``memory`` values. ``size`` follows the mean distance to the middle and keeps a constant channel from
+    getting stuck at zero width.
+    """
+
+    count: int = 0
+    first: list[float] = []
+    low: float = 0.0
+    middle: float = 0.0
+    high: float = 0.0
+    size: float = 0.0
+
+    @property
+    def learned(self) -> bool:
+        """Whether there is a band yet."""
+        return self.count > 0 and not self.first
+
+    def score(self, value: float, floor: float = 0.0) -> float:
+        """How far out a value is: 0 at the middle, ±1 a (robust, one-sided) standard deviation, whatever the skew.
+
+        Args:
+            value: the number to judge.
+            floor: the least standard deviation that counts, in the value's unit.
+        """
+        away = value - self.middle
+        spread = (self.high - self.middle if away > 0 else self.middle - self.low) / GAUSS
+        least = max(floor, 0.05 * self.size, 1e-6 * abs(self.middle), 1e-12)
+        return away / max(spread, least)
+
+    def learn(self, value: float, warm_up: int, memory: float) -> None:
+        """Take up a value. The band is there after ``warm_up`` values and forgets over about ``memory`` of them."""
+        self.count += 1
+        if self.first or self.count == 1:
+            self.first.append(value)
+            if len(self.first) >= warm_up:
+                self._start()
+            return
+        rate = 1.0 / min(self.count, memory)
+        self.size += rate * (abs(value - self.middle) - self.size)
+        step = STEP * rate * max(self.high - self.low, self.size)
+        self.low += step * (LOW if value > self.low else LOW - 1.0) if value != self.low else 0.0
+        self.middle += step * (MIDDLE if value > self.middle else -MIDDLE) if value != self.middle else 0.0
+        self.high += step * (HIGH if value > self.high else HIGH - 1.0) if value != self.high else 0.0
+        self.low, self.high = min(self.low, self.middle), max(self.high, self.middle)
+
+    def _start(self) -> None:
+        ordered = sorted(self.first)
+        last = len(ordered) - 1
+        self.low, self.middle, self.high = (ordered[round(share * last)] for share in (LOW, MIDDLE, HIGH))
+        self.size = sum(abs(value - self.middle) for value in ordered) / len(ordered)
+        self.first = []
