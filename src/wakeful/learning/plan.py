@@ -23,7 +23,7 @@ class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     """When and how a mind trains.
 
     The first training comes with ``min_experiences`` decided experiences, each later one after ``every`` more, or ``growth``
-    times all there are if that is more. A contradiction of an automatic decision counts for ``contradiction_counts`` of them,
+    times all there were if that is more. A contradiction of an automatic decision counts for ``contradiction_counts`` of them,
     so that a few are enough. ``epochs_first`` is from scratch, ``epochs`` a continual update (Section IV-A of the paper).
     ``latency_s`` is the declared time to publication in virtual time. ``replay`` bounds the rows of one training,
     ``remembered`` those that are kept at all; ``held_back`` is the share kept for comparison and calibration.
@@ -75,6 +75,7 @@ class Learning:
         self._sides = Sides(self.settings.held_back)
         self._decided = 0
         self._since_asked = 0
+        self._at_asked = 0
         self._watermark = 0
         self._trainings = 0
         self._base = 0
@@ -114,7 +115,7 @@ class Learning:
             self._pending = record
             self._frozen = tuple(self._chosen(record.watermark))
             self._trainings = max(self._trainings, record.training)
-            self._since_asked = 0
+            self._since_asked, self._at_asked = 0, self._decided
         elif isinstance(record, Published):
             if self._pending is not None and self._pending.training == record.training:
                 self._pending, self._frozen = None, ()
@@ -126,7 +127,7 @@ class Learning:
         own = self.settings
         if self._pending is not None or self._decided < own.min_experiences or not self._since_asked:
             return None
-        if self._trainings and self._since_asked < max(own.every, own.growth * self._decided):
+        if self._trainings and self._since_asked < max(own.every, own.growth * self._at_asked):
             return None
         training = self._trainings + 1
         return TrainingAsked(

@@ -1,0 +1,83 @@
+"""Temperatures and thresholds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from wakeful.learning.calibration import CANDIDATES, NEVER, POOLED, RESULT, Marks, choose_thresholds, mark, temperature
+from wakeful.learning.network import Material, softmax
+
+
+def marks(confidence: np.ndarray, wrong: np.ndarray, chosen: np.ndarray | None = None) -> Marks:
+    rows = len(confidence)
+    return Marks(
+        chosen=np.zeros(rows, dtype=np.int64) if chosen is None else chosen,
+        confidence=confidence,
+        result_confidence=np.full(rows, 0.95),
+        treatment_wrong=wrong,
+        result_wrong=np.zeros(rows, dtype=bool),
+        judged=np.ones(rows, dtype=bool),
+    )
+
+
+def test_the_candidates_are_the_papers() -> None:
+    assert CANDIDATES == (0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9)
+
+
+@pytest.mark.parametrize("true", [0.5, 1.0, 3.0])
+def test_a_temperature_undoes_too_much_or_too_little_confidence(true: float) -> None:
+    random = np.random.default_rng(0)
+    z = random.normal(size=(6000, 3)) * 2.0
+    p = softmax(z / true)
+    label = (random.random(6000)[:, None] > p.cumsum(axis=1)).sum(axis=1)
+    assert temperature(z, label, np.ones(6000)) == pytest.approx(true, rel=0.1)
+
+
+def test_too_few_rows_leave_the_temperature_alone() -> None:
+    assert temperature(np.eye(3)[[0, 1]], np.array([1, 2]), np.ones(2)) == 1.0
+
+
+def test_the_threshold_is_the_lowest_that_keeps_the_errors_under_the_target() -> None:
+    confidence = np.linspace(0.4, 1.0, 400)
+    wrong = confidence < 0.7
+    chosen = choose_thresholds(marks(confidence, wrong), ("a",), 0.10)
+    passing = confidence >= chosen[POOLED]
+    assert (wrong[passing].sum() + 1) / (passing.sum() + 2) <= 0.10
+    looser = confidence >= chosen[POOLED] - 0.05
+    assert (wrong[looser].sum() + 1) / (looser.sum() + 2) > 0.10
+    assert chosen[RESULT] == 0.9
+
+
+def test_where_no_candidate_will_do_nothing_is_automatic() -> None:
+    confidence = np.linspace(0.4, 1.0, 100)
+    assert choose_thresholds(marks(confidence, np.arange(100) % 2 == 0), ("a",), 0.1) == {POOLED: NEVER, RESULT: 0.9, "a": NEVER}
+
+
+def test_a_reliable_treatment_beside_an_unreliable_one_gets_its_own_threshold() -> None:
+    chosen = np.repeat([0, 1, 2], [100, 100, 5])
+    wrong = (chosen == 1) & (np.arange(205) % 2 == 0)
+    found = choose_thresholds(marks(np.full(205, 0.8), wrong, chosen), ("a", "b", "c"), 0.1)
+    assert found["a"] == 0.8
+    assert found["b"] == NEVER
+    assert "c" not in found
+
+
+def test_few_rows_choose_nothing() -> None:
+    assert choose_thresholds(marks(np.full(5, 0.9), np.zeros(5, dtype=bool)), ("a",), 0.1) == {}
+
+
+def test_a_row_is_wrong_in_its_treatment_or_in_its_result() -> None:
+    p = np.array([[0.9, 0.1], [0.9, 0.1], [0.9, 0.1], [0.9, 0.1]])
+    q = np.array([[0.8, 0.2]] * 4)
+    rows = Material(
+        x=np.zeros((4, 1)),
+        treatment=np.array([0, 1, -1, -1]),
+        result=np.array([1, 0, 0, -1]),
+        refuted=np.array([-1, -1, 0, -1]),
+        weight=np.ones(4),
+    )
+    found = mark(p, q, rows)
+    assert found.treatment_wrong.tolist() == [False, True, True, False]
+    assert found.result_wrong.tolist() == [True, False, False, False]
+    assert found.judged.tolist() == [True, True, True, False]
