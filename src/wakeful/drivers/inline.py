@@ -13,7 +13,7 @@ import msgspec
 from wakeful.contracts.domain import Domain
 from wakeful.contracts.journal import Journal
 from wakeful.contracts.reasoner import Reasoner
-from wakeful.deliberation import GuidelineReasoner
+from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import LiveDriver, Receipt
 from wakeful.drivers.simulated import SimulatedDriver

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import heapq
-import itertools
 from collections.abc import Callable, Iterable, Iterator
 
 import msgspec
@@ -50,8 +49,7 @@ class SimulatedDriver:
         self._trainer = Trainer(learner)
         self._pace = pace
         self._loop = asyncio.new_event_loop()
-        self._answers: list[tuple[int, int, Answer]] = []
-        self._order = itertools.count()
+        self._answers: list[tuple[int, int, int, Answer]] = []
         self._lines: list[Line] = []
         self._state: dict[str, bytes | None] = {}
         self._blobs: dict[str, bytes] = {}
@@ -163,7 +161,7 @@ class SimulatedDriver:
     def _due(self, now_ns: int) -> list[Input]:
         due: list[Input] = []
         while self._answers and self._answers[0][0] <= now_ns:
-            due.append(heapq.heappop(self._answers)[2])
+            due.append(heapq.heappop(self._answers)[3])
         due.extend(self._trainer.take(now_ns))
         return due
 
@@ -188,7 +186,7 @@ class SimulatedDriver:
         answer = self._loop.run_until_complete(make(call, self._reasoner))
         latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None else 0
         due_ns = min(call.asked_ns + latency_ns, call.expires_ns)
-        heapq.heappush(self._answers, (due_ns, next(self._order), answer))
+        heapq.heappush(self._answers, (due_ns, call.process, call.seq, answer))
 
     def _commit(self) -> None:
         if self._lines or self._state or self._blobs:
