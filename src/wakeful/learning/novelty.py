@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from typing import Final
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -16,13 +16,16 @@ NEAR: Final = 0.5
 every small difference unfamiliar."""
 _TAIL = 4.0
 _ENOUGH_HELD_BACK = 20
+_DIGITS = 6
 
 
-class Novelty(msgspec.Struct, frozen=True):
-    """What is familiar: exemplars (m, d), standardised, and the sorted distances of familiar events to them."""
+class Novelty:
+    """What is familiar: exemplars (m, d), standardised, and the sorted distances of familiar events to them (n,)."""
 
-    exemplars: Floats
-    reference: Floats
+    def __init__(self, exemplars: Floats, reference: Floats) -> None:
+        self.exemplars, self.reference = exemplars, reference
+        self._norms = squares(exemplars)
+        self._steps = reference.tolist()
 
     def of(self, x: Floats) -> float:
         """The novelty in [0, 1] of one standardised row, shape (d,).
@@ -31,28 +34,29 @@ class Novelty(msgspec.Struct, frozen=True):
         1 − (farthest / distance)^4 / (n + 1), so that a short reference doesn't call everything a little farther
         unheard of.
         """
-        if not len(self.exemplars):
-            return 1.0
-        return self.quantile(nearest(self.exemplars, x))
+        return self.quantile(self.distance(x)) if len(self.exemplars) else 1.0
+
+    def distance(self, x: Floats) -> float:
+        """The distance to the nearest exemplar, rounded to 6 digits: far more than it errs by."""
+        least = float((self._norms - 2.0 * (self.exemplars @ x)).min()) + float(x @ x)
+        return round(math.sqrt(max(0.0, least)), _DIGITS)
 
     def quantile(self, distance: float) -> float:
         """The novelty of something at this distance from the nearest exemplar."""
-        n = len(self.reference)
+        n = len(self._steps)
         if n == 0:
             return 1.0
-        distance, farthest = max(distance, NEAR), max(float(self.reference[-1]), NEAR)
-        if distance > farthest:
-            return 1.0 - math.pow(farthest / distance, _TAIL) / (n + 1)
         if distance <= NEAR:
             return 0.0
-        return float(np.searchsorted(self.reference, distance, side="left")) / (n + 1)
+        farthest = max(self._steps[-1], NEAR)
+        if distance > farthest:
+            return 1.0 - math.pow(farthest / distance, _TAIL) / (n + 1)
+        return bisect_left(self._steps, distance) / (n + 1)
 
 
-def nearest(exemplars: Floats, x: Floats) -> float:
-    """The distance of x to its nearest exemplar. No BLAS: the sum over a row is the same in any company."""
-    apart = exemplars - x
-    squares: Floats = np.einsum("ij,ij->i", apart, apart)
-    return math.sqrt(squares.min())
+def squares(rows: Floats) -> Floats:
+    """The squared length of each row, (n,)."""
+    return np.asarray(np.einsum("ij,ij->i", rows, rows))
 
 
 def learn_novelty(learned: Floats, held_back: Floats, limit: int) -> Novelty:
@@ -68,14 +72,12 @@ def learn_novelty(learned: Floats, held_back: Floats, limit: int) -> Novelty:
         kept), as float32 numbers; and the distances of the held-back rows, joined by those of each learned row from the
         others where the held-back ones are few.
     """
-    kept = cover(learned, limit)
-    exemplars = learned[kept].astype(np.float32).astype(np.float64)
-    if len(held_back) >= _ENOUGH_HELD_BACK:
-        reference = [nearest(exemplars, row) for row in held_back]
-    else:
-        reference = [nearest(np.delete(learned, i, axis=0), row) for i, row in enumerate(learned)] if len(learned) > 1 else []
-        reference += [nearest(exemplars, row) for row in held_back]
-    return Novelty(exemplars, np.sort(np.round(np.array(reference, dtype=np.float64), 9)))
+    known = Novelty(learned[cover(learned, limit)].astype(np.float32).astype(np.float64), np.zeros(0))
+    reference = [known.distance(row) for row in held_back]
+    if len(held_back) < _ENOUGH_HELD_BACK:
+        others = [Novelty(np.delete(learned, i, axis=0), np.zeros(0)) for i in range(len(learned))] if len(learned) > 1 else []
+        reference += [rest.distance(row) for rest, row in zip(others, learned, strict=False)]
+    return Novelty(known.exemplars, np.sort(np.array(reference, dtype=np.float64)))
 
 
 def cover(rows: Floats, limit: int) -> list[int]:
@@ -83,11 +85,9 @@ def cover(rows: Floats, limit: int) -> list[int]:
     if len(rows) <= limit:
         return list(range(len(rows)))
     chosen = [len(rows) - 1]
-    apart = rows - rows[-1]
-    least = np.einsum("ij,ij->i", apart, apart)
+    least = squares(rows - rows[-1])
     while len(chosen) < limit:
         at = int(np.argmax(np.round(least, 9)))
         chosen.append(at)
-        apart = rows - rows[at]
-        least = np.minimum(least, np.einsum("ij,ij->i", apart, apart))
+        least = np.minimum(least, squares(rows - rows[at]))
     return sorted(chosen)

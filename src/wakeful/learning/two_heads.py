@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from hashlib import blake2b
 
 import msgspec
@@ -206,16 +207,24 @@ class TwoHeadsPredictor:
         parts = self._parts
         hidden = np.maximum(x @ parts.first + parts.first_bias, 0.0)
         hidden = np.maximum(hidden @ parts.second + parts.second_bias, 0.0)
-        out = hidden @ self._heads + self._heads_bias
+        out = (hidden @ self._heads + self._heads_bias).tolist()
         return Estimate(
-            treatments=np.round(softmax(out[: self._cut]), _DIGITS),
-            labels=np.round(softmax(out[self._cut :]), _DIGITS),
+            treatments=_shares(out[: self._cut]),
+            labels=_shares(out[self._cut :]),
             novelty=round(self._novelty.of(x), _DIGITS),
         )
 
     def estimate_many(self, features: Vector) -> list[Estimate]:
         """The same for rows (n, d), one after the other: a product over many rows adds up in another order."""
         return [self.estimate(row) for row in features]
+
+
+def _shares(logits_of_one: list[float]) -> Vector:
+    """Softmax of a handful of numbers, rounded: several times faster than numpy's calls."""
+    highest = max(logits_of_one)
+    parts = [math.exp(number - highest) for number in logits_of_one]
+    total = sum(parts)
+    return np.array([round(part / total, _DIGITS) for part in parts])
 
 
 def probabilities(model: Model, rows: Material) -> tuple[Floats, Floats]:
