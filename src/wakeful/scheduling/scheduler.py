@@ -293,8 +293,8 @@ class Scheduler:
                 Call(
                     process=process.id,
                     seq=pending.seq,
-                    asked_ns=self._host.now_ns,
-                    expires_ns=pending.expires_ns if pending.expires_ns is not None else self._host.now_ns,
+                    asked_ns=process.asked_ns,
+                    expires_ns=pending.expires_ns if pending.expires_ns is not None else process.asked_ns,
                     question=want.question,
                     role=want.role,
                     function=want.function,
