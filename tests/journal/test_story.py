@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from tests.journal.builder import Book, full_book
 from tests.journal.strategies import any_lines
 from tests.journal.test_audit import Pages
-from wakeful.facts.lines import Line
+from wakeful.facts.lines import Answered, Asked, Line
 from wakeful.journal.history import history
 from wakeful.journal.story import NoSuchEvent, find_event, lineage, story
 
@@ -19,8 +19,8 @@ def test_the_story_of_a_contradicted_event_has_its_child_its_reopening_its_verdi
     told = story(read, find_event(read, book.event_of(1)))
     assert [process.role for process in told.processes] == ["root", "child", "reopening"]
     root = told.processes[0]
-    assert [exchange.kind for exchange in root.exchanges] == ["evidence", "deliberate", "treat"]
-    assert all(exchange.answered for exchange in root.exchanges)
+    assert [line.record.kind for line in root.trail if isinstance(line.record, Asked)] == ["evidence", "deliberate", "treat"]
+    assert [line.record.seq for line in root.trail if isinstance(line.record, Answered)] == [1, 2, 3]
     verdict = root.verdicts[0]
     assert verdict.judged.verdict == "contradicted"
     assert verdict.outcome is not None

@@ -55,7 +55,10 @@ class ProcessPast(msgspec.Struct):
     decisions: list[Decision] = []
     asked: dict[int, Asked] = {}
     answered: dict[int, Answered] = {}
-    moves: list[tuple[int, Moved]] = []
+    trigger: Trigger | None = None
+    """What moved it last."""
+    trail: list[Line] = []
+    """Its transitions, requests and answers, in order."""
     concluded: Concluded | None = None
     concluded_ns: int = 0
     verdicts: list[tuple[int, Judged]] = []
@@ -189,6 +192,8 @@ class History(msgspec.Struct):
         process = self.processes.get(record.process)
         if process is None:
             return
+        if isinstance(record, Moved | Asked | Answered):
+            process.trail.append(line)
         match record:
             case Decided():
                 process.decisions.append(record.decision)
@@ -228,8 +233,7 @@ class History(msgspec.Struct):
 
 
 def _move(process: ProcessPast, at_ns: int, record: Moved) -> None:
-    process.moves.append((at_ns, record))
-    process.state, process.since_ns, process.by = record.after, at_ns, record.by
+    process.state, process.since_ns, process.by, process.trigger = record.after, at_ns, record.by, record.trigger
     process.steps = max(process.steps, record.steps)
     if record.trigger is Trigger.DISPATCH and process.first_treated_ns is None:
         process.first_treated_ns = at_ns

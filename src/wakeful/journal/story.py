@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, ModelCard
-from wakeful.facts.lines import Answered, Asked, Judged, Moved, Noted, Trusted
+from wakeful.facts.lines import Judged, Line, Noted, Trusted
 from wakeful.facts.results import Forecast
 from wakeful.facts.values import NOTHING, Fact, Raw
 from wakeful.journal.history import EventPast, History, ProcessPast
@@ -21,27 +20,12 @@ class NoSuchEvent(Exception):
         self.close = close
 
 
-class Exchange(Fact, frozen=True):
-    """One request of a process, and its answer where it came."""
-
-    kind: Kind
-    asked: Asked
-    answered: Answered | None = None
-
-
 class VerdictTold(Fact, frozen=True):
     """One verdict with the outcome that brought it, where one came."""
 
     at_ns: int
     judged: Judged
     outcome: Outcome | None = None
-
-
-class MoveTold(Fact, frozen=True):
-    """One transition with its instant."""
-
-    at_ns: int
-    moved: Moved
 
 
 class ProcessStory(Fact, frozen=True):
@@ -53,8 +37,8 @@ class ProcessStory(Fact, frozen=True):
     state: str
     created_ns: int
     decisions: tuple[Decision, ...]
-    exchanges: tuple[Exchange, ...]
-    moves: tuple[MoveTold, ...]
+    trail: tuple[Line, ...]
+    """Its transitions, requests and answers, in order."""
     steps: int = 0
     end: str = ""
     parent: int = 0
@@ -140,9 +124,8 @@ def story(read: History, past: EventPast) -> Story:
     mine = {process.id for process in processes}
     experiences = tuple(gained.experience for gained in read.gained.values() if gained.experience.process in mine)
     gained = {experience.id for experience in experiences}
-    rests_on = dict.fromkeys(
-        identity for process in processes for decision in process.decisions for identity in decision.rests_on
-    )
+    decisions = [decision for process in processes for decision in process.decisions]
+    rests_on = dict.fromkeys(identity for decision in decisions for identity in decision.rests_on)
     return Story(
         event=past.event,
         position=past.position,
@@ -151,7 +134,7 @@ def story(read: History, past: EventPast) -> Story:
         now_ns=read.now_ns,
         processes=tuple(_process(read, process) for process in processes),
         rests_on=tuple(_remembered(read, identity) for identity in rests_on if identity in read.gained),
-        lineage=lineage(read, max((decision.model for process in processes for decision in process.decisions), default=0)),
+        lineage=lineage(read, max((decision.model for decision in decisions), default=0)),
         trust=tuple(TrustTold(at_ns=at_ns, trusted=trusted) for at_ns, trusted in read.trusted if trusted.experience in gained),
         experiences=experiences,
     )
@@ -185,10 +168,7 @@ def _process(read: History, process: ProcessPast) -> ProcessStory:
         state=process.state.value,
         created_ns=process.created_ns,
         decisions=tuple(process.decisions),
-        exchanges=tuple(
-            Exchange(kind=asked.kind, asked=asked, answered=process.answered.get(seq)) for seq, asked in process.asked.items()
-        ),
-        moves=tuple(MoveTold(at_ns=at_ns, moved=moved) for at_ns, moved in process.moves),
+        trail=tuple(process.trail),
         steps=process.steps,
         end=process.end or "",
         parent=process.parent,

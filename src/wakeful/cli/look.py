@@ -1,0 +1,215 @@
+"""`wakeful status`, `events` and `processes`: what the robot has met and what is being thought about."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from wakeful.cli.options import journal_option, json_option, option, print_json, reading
+from wakeful.cli.summary import print_state
+from wakeful.cli.terminal import say, table
+from wakeful.cli.waiting import deadline_words, stands
+from wakeful.cli.words import count, duration, instant
+from wakeful.facts.processes import State
+from wakeful.facts.time import to_s
+from wakeful.facts.values import Fact
+from wakeful.journal.views import EventPast, History, ProcessPast, history, summary_of
+
+CRITICALITIES = ("routine", "notable", "urgent", "critical")
+
+
+class EventRow(Fact, frozen=True):
+    """One event as `wakeful events --json` lists it."""
+
+    id: str
+    at_ns: int
+    kind: str
+    entity: str
+    criticality: int
+    says: str
+    treatment: str
+    mode: str
+    state: str
+    verdict: str
+    processes: tuple[int, ...]
+
+
+class ProcessRow(Fact, frozen=True):
+    """One process as `wakeful processes --json` lists it. Ages and deadlines are in seconds of kernel time."""
+
+    id: int
+    event: str
+    treatment: str
+    mode: str
+    state: str
+    criticality: int
+    age_s: float
+    in_state_s: float
+    steps: int
+    stands: str
+    parent: int = 0
+    reopens: int = 0
+    deadline_s: float | None = None
+
+
+@click.command("status")
+@journal_option
+@json_option
+def status_command(journal: Path | None, as_json: bool) -> None:
+    """Say in short where things stand: intake, open processes, debt, models, trust."""
+    with reading(journal) as opened:
+        read = history(opened)
+        path = opened.path
+    told = summary_of(read, strange=0)
+    if as_json:
+        print_json({"journal": str(path), "lines": read.last, "now_ns": read.now_ns, "summary": told})
+        return
+    say(f"{path}: {count(read.last, 'line')}, {', '.join(_sources(read)) or 'no source yet'}")
+    print_state(told)
+
+
+def _sources(read: History) -> list[str]:
+    finished = {record.source for record in read.finished}
+    return [
+        f"{opened.source} ({opened.domain}, {'read to its end' if opened.source in finished else 'not finished'})"
+        for opened in {opened.source: opened for opened in read.opened}.values()
+    ]
+
+
+@click.command("events")
+@journal_option
+@option("--kind", default=None, help="Only events of this kind.")
+@option("--treatment", default=None, help="Only events with this treatment.")
+@option("--mode", type=click.Choice(["auto", "delib", "fallback"]), default=None, help="Only events treated in this mode.")
+@option(
+    "--verdict",
+    type=click.Choice(["supported", "contradicted", "undecided"]),
+    default=None,
+    help="Only events with this verdict.",
+)
+@option("--limit", type=click.IntRange(min=0), default=20, show_default=True, help="The last so many; 0: all.")
+@json_option
+def events_command(
+    journal: Path | None,
+    kind: str | None,
+    treatment: str | None,
+    mode: str | None,
+    verdict: str | None,
+    limit: int,
+    as_json: bool,
+) -> None:
+    """List admitted events, the last ones last, with how each was treated and how it ended."""
+    with reading(journal) as opened:
+        read = history(opened)
+    rows = [
+        row
+        for row in (_event_row(read, past) for past in read.events.values())
+        if kind in (None, row.kind)
+        and treatment in (None, row.treatment)
+        and mode in (None, row.mode)
+        and verdict in (None, row.verdict)
+    ]
+    shown = rows[-limit:] if limit else rows
+    if as_json:
+        print_json(shown)
+        return
+    table(
+        ["event", "when", "kind", "entity", "criticality", "treatment", "mode", "state", "verdict", "says"],
+        [
+            [
+                row.id[:10],
+                instant(row.at_ns),
+                row.kind,
+                row.entity,
+                CRITICALITIES[row.criticality],
+                row.treatment,
+                row.mode,
+                row.state,
+                row.verdict,
+                row.says,
+            ]
+            for row in shown
+        ],
+    )
+    if len(shown) < len(rows):
+        click.echo(f"the last {len(shown)} of {count(len(rows), 'event')}; --limit 0 shows all", err=True)
+
+
+def _event_row(read: History, past: EventPast) -> EventRow:
+    root = read.root(past.event.id)
+    event = past.event
+    return EventRow(
+        id=event.id,
+        at_ns=event.stamp.source_ns,
+        kind=event.kind,
+        entity=event.entity,
+        criticality=event.criticality,
+        says=event.says,
+        treatment=root.treatment if root else "",
+        mode=root.decision.mode if root and root.decision else "",
+        state=(root.end or root.state) if root else "uncovered",
+        verdict=root.judged.verdict if root and root.judged else "",
+        processes=tuple(past.processes),
+    )
+
+
+@click.command("processes")
+@journal_option
+@option("--all", "everything", is_flag=True, help="Completed processes too.")
+@option("--state", type=click.Choice([state.value for state in State]), default=None, help="Only processes in this state.")
+@option("--limit", type=click.IntRange(min=0), default=50, show_default=True, help="The last so many; 0: all.")
+@json_option
+def processes_command(journal: Path | None, everything: bool, state: str | None, limit: int, as_json: bool) -> None:
+    """List open processes: state, age, deadline, what each waits for, and who preempted it."""
+    with reading(journal) as opened:
+        read = history(opened)
+    found = [process for process in read.processes.values() if (process.state == state if state else everything or process.open)]
+    shown = [_process_row(read, process) for process in (found[-limit:] if limit else found)]
+    if as_json:
+        print_json(shown)
+        return
+    if not shown:
+        say(
+            "no process is open: everything that was admitted has been thought through" if not state else f"no process is {state}"
+        )
+        return
+    table(
+        ["process", "event", "treatment", "mode", "state", "age", "steps", "deadline", "stands"],
+        [
+            [
+                str(row.id),
+                row.event[:10],
+                row.treatment,
+                row.mode,
+                row.state,
+                duration(row.age_s),
+                str(row.steps),
+                deadline_words(row.deadline_s),
+                row.stands,
+            ]
+            for row in shown
+        ],
+        ["process", "age", "steps"],
+    )
+    if len(shown) < len(found):
+        click.echo(f"the last {len(shown)} of {count(len(found), 'process', 'processes')}; --limit 0 shows all", err=True)
+
+
+def _process_row(read: History, process: ProcessPast) -> ProcessRow:
+    until_ns = read.now_ns if process.open else process.since_ns
+    return ProcessRow(
+        id=process.id,
+        event=process.event,
+        treatment=process.treatment,
+        mode=process.decision.mode if process.decision else "",
+        state=process.end or process.state,
+        criticality=process.criticality,
+        age_s=to_s(until_ns - process.created_ns),
+        in_state_s=to_s(read.now_ns - process.since_ns),
+        steps=process.steps,
+        stands=stands(read, process),
+        parent=process.parent,
+        reopens=process.reopens,
+        deadline_s=None if process.deadline_ns is None else to_s(process.deadline_ns - read.now_ns),
+    )

@@ -1,0 +1,50 @@
+"""The command line's entry: one group, its commands each in the file of its concern."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from wakeful.cli.audit import audit_command
+from wakeful.cli.export import export_command
+from wakeful.cli.learned import learning_command, trust_command
+from wakeful.cli.look import events_command, processes_command, status_command
+from wakeful.cli.mistakes import OneLine
+from wakeful.cli.run import run_command
+from wakeful.cli.simulate import simulate_command
+from wakeful.cli.stats import stats_command
+from wakeful.cli.vocabulary import domains_command, treatments_command
+from wakeful.cli.why import why_command
+from wakeful.version import __version__
+
+
+@click.group(cls=OneLine, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="wakeful")
+@click.pass_context
+def main(context: click.Context) -> None:
+    """Continuous cognitive coverage for robots: every event admitted into cognition gets a treatment that fits it.
+
+    Begin with 'wakeful run service_robot', or with a recording of your own. Each option can also be set in the environment
+    (WAKEFUL_JOURNAL, WAKEFUL_SPEED, …); NO_COLOR switches colours off.
+    """
+    if os.environ.get("NO_COLOR"):
+        context.color = False
+
+
+for command in (
+    run_command,
+    status_command,
+    events_command,
+    processes_command,
+    why_command,
+    audit_command,
+    stats_command,
+    trust_command,
+    learning_command,
+    domains_command,
+    treatments_command,
+    export_command,
+    simulate_command,
+):
+    main.add_command(command)

@@ -1,0 +1,68 @@
+"""What a user got wrong, in one line with a way out; and the group that prints it so."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+import click
+
+from wakeful.cli.words import plain
+from wakeful.contracts.bridge import SourceError
+from wakeful.contracts.domain import DomainError
+from wakeful.contracts.journal import JournalError
+from wakeful.journal.export import MissingExtra
+
+FAILED, USAGE, INTERRUPTED = 1, 2, 130
+
+
+class Mistake(click.ClickException):
+    """Something that the user can put right. The message says what is wrong and what to do."""
+
+    exit_code = FAILED
+
+
+class OneLine(click.Group):
+    """A command group whose every error is one line on standard error: no usage text, no traceback for a user's mistake."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        """Run, and end the program with 0, 1 (failed), 2 (usage) or 130 (interrupted)."""
+        try:
+            result = super().main(args, prog_name, complete_var, standalone_mode=False, **extra)
+        except click.UsageError as error:
+            where = error.ctx.command_path if error.ctx else "wakeful"
+            _end(f"{_first_line(error)} Try '{where} --help'.", USAGE)
+        except click.Abort:
+            _end("interrupted", INTERRUPTED)
+        except KeyboardInterrupt:
+            _end("interrupted", INTERRUPTED)
+        except click.ClickException as error:
+            _end(error.format_message(), error.exit_code)
+        except (JournalError, SourceError, DomainError, MissingExtra) as error:
+            _end(str(error), FAILED)
+        except BrokenPipeError:
+            # Whoever read our output has gone; what is left in the buffer must not complain either.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(FAILED)
+        if standalone_mode:
+            sys.exit(result if isinstance(result, int) else 0)
+        return result
+
+
+def _first_line(error: click.UsageError) -> str:
+    text = error.format_message().strip()
+    return text if text.endswith((".", "?", "!")) else text + "."
+
+
+def _end(says: str, code: int) -> NoReturn:
+    click.echo(click.style("error: ", fg="red", bold=True) + plain(says), err=True)
+    sys.exit(code)

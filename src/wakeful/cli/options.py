@@ -1,0 +1,71 @@
+"""Options that several commands share, each also read from the environment, and the opening of journals."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TypeVar
+
+import click
+import msgspec
+
+from wakeful.cli.mistakes import Mistake
+from wakeful.journal.sqlite import SqliteJournal, open_journal
+
+F = TypeVar("F", bound=Callable[..., object])
+
+
+def option(*names: str, **settings: object) -> Callable[[F], F]:
+    """A click option that is also read from ``WAKEFUL_<NAME>``, and says so in its help."""
+    long = next(name for name in names if name.startswith("--"))
+    variable = "WAKEFUL_" + long.split("/")[0].lstrip("-").replace("-", "_").upper()
+    return click.option(*names, envvar=variable, show_envvar=True, **settings)  # type: ignore[arg-type]
+
+
+journal_option = option(
+    "--journal",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default=None,
+    help="The journal file. Without it: the one that was written last in the state directory.",
+)
+
+json_option = option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
+
+
+def state_directory() -> Path:
+    """Where journals are kept unless one is named: XDG's state directory."""
+    base = os.environ.get("XDG_STATE_HOME", "")
+    return (Path(base) if base else Path.home() / ".local" / "state") / "wakeful"
+
+
+@contextmanager
+def reading(path: Path | None) -> Iterator[SqliteJournal]:
+    """A journal opened for looking at, beside a writer or not.
+
+    Raises:
+        Mistake: none was named and there is none in the state directory.
+        JournalError: what was named is no journal that can be read.
+    """
+    if path is None:
+        path = _latest()
+        click.echo(f"journal: {path}", err=True)
+    journal = open_journal(path, read_only=True)
+    try:
+        yield journal
+    finally:
+        journal.close()
+
+
+def _latest() -> Path:
+    folder = state_directory()
+    found = sorted(folder.glob("*.db"), key=lambda file: file.stat().st_mtime) if folder.is_dir() else []
+    if not found:
+        raise Mistake(f"there is no journal in {folder} yet; make one with 'wakeful run SOURCE', or name one with --journal FILE")
+    return found[-1]
+
+
+def print_json(value: object) -> None:
+    """One JSON value on standard output, indented for people and read as easily by programs."""
+    click.echo(msgspec.json.format(msgspec.json.encode(value), indent=2).decode())

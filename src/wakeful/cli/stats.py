@@ -1,0 +1,74 @@
+"""`wakeful stats`: what registration made of a source, and how many of its incidents it heard before they came."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from wakeful.cli.options import journal_option, json_option, option, print_json, reading
+from wakeful.cli.terminal import heading, paragraph, say, table
+from wakeful.cli.words import count, duration, percent
+from wakeful.journal.views import Stats, stats
+
+
+@click.command("stats")
+@journal_option
+@option(
+    "--within",
+    "within_s",
+    type=click.FloatRange(min=0, min_open=True),
+    default=None,
+    help="Seconds before an incident in which an event counts as its sign. Without it: the window of the forecasts.",
+)
+@json_option
+def stats_command(journal: Path | None, within_s: float | None, as_json: bool) -> None:
+    """Say how many observations each event stands for, events per hour by kind, and which incidents had a sign before."""
+    with reading(journal) as opened:
+        told = stats(opened, within_s)
+    if as_json:
+        print_json(told)
+    else:
+        _print(told)
+
+
+def _print(told: Stats) -> None:
+    say(f"{count(told.observations, 'observation')} became {count(told.events, 'event')}.")
+    say(f"One event stands for {told.observations_per_event:,.1f} observations.")
+    say(f"{told.events_per_hour:,.1f} events an hour, over {duration(told.duration_s)}.")
+    heading("Events by kind")
+    before = bool(told.incidents)
+    columns = ["kind", "events", "per hour", "observations"] + (["incidents after", "of them", "by chance"] if before else [])
+    rows = [
+        [row.kind, f"{row.events:,}", f"{row.per_hour:,.1f}", f"{row.observations:,}"]
+        + ([f"{row.before:,}", percent(row.share), percent(row.by_chance)] if before else [])
+        for row in told.kinds
+    ]
+    table(columns, rows, columns[1:])
+    if not told.incidents:
+        paragraph("The recording shows no outcomes, so nothing can be said on what registration missed.", indent=0)
+        return
+    heading(f"Incidents with an event in the {duration(told.within_s)} before")
+    table(
+        ["incident", "incidents", "with a sign", "share", "by chance", "lift", "first sign", "last sign", "foretold"],
+        [
+            [
+                heard.label,
+                f"{heard.incidents:,}",
+                f"{heard.before:,}",
+                percent(heard.share),
+                percent(heard.by_chance),
+                f"{heard.lift:.2f}" if heard.lift is not None else "–",
+                duration(heard.first_s) if heard.first_s is not None else "–",
+                duration(heard.last_s) if heard.last_s is not None else "–",
+                f"{heard.foretold:,}",
+            ]
+            for heard in told.incidents
+        ],
+        ["incidents", "with a sign", "share", "by chance", "lift", "first sign", "last sign", "foretold"],
+    )
+    paragraph(
+        "By chance: the share that as many events at random instants would get. First and last sign: median time from the "
+        "earliest and the latest such event to the incident. Foretold: a result had forecast it by name before it came.",
+        indent=0,
+    )

@@ -1,0 +1,90 @@
+"""Tables and paragraphs: fitted to a terminal, plain and whole where they are piped."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import textwrap
+from collections.abc import Sequence
+
+import click
+
+from wakeful.cli.words import plain
+
+_PIPED_WIDTH = 110
+_NARROWEST = 8
+
+
+def on_terminal() -> bool:
+    """Whether a person reads the standard output."""
+    return sys.stdout.isatty()
+
+
+def width() -> int:
+    """The letters in a line of text."""
+    return min(160, shutil.get_terminal_size((_PIPED_WIDTH, 24)).columns) if on_terminal() else _PIPED_WIDTH
+
+
+def say(text: str = "", **style: bool | str | None) -> None:
+    """One line on standard output, coloured only on a terminal."""
+    click.echo(click.style(text, **style) if style else text)  # type: ignore[arg-type]  # click's own keywords
+
+
+def heading(text: str) -> None:
+    """A heading, with an empty line before it."""
+    say()
+    say(text, bold=True)
+
+
+def paragraph(text: str, indent: int = 2, hanging: int = 0, label: str = "") -> None:
+    """A paragraph of outside or own text, wrapped, its first line after ``label``."""
+    lines = textwrap.wrap(
+        plain(text),
+        width(),
+        initial_indent=" " * indent + label,
+        subsequent_indent=" " * (indent + hanging),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    for line in lines:
+        say(line)
+
+
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = ()) -> None:
+    """Print a table: aligned and cut to the terminal's width, or with tabs and nothing cut where it is piped.
+
+    Args:
+        columns: the headings.
+        rows: cells as text, as many as headings.
+        numbers: headings of columns that are aligned to the right.
+    """
+    clean = [[plain(cell) for cell in row] for row in rows]
+    if not on_terminal():
+        for row in [list(columns), *clean]:
+            say("\t".join(row))
+        return
+    widths = fitted([max(len(row[index]) for row in [list(columns), *clean]) for index in range(len(columns))], width())
+    say(_line(columns, widths, columns, numbers), bold=True)
+    for row in clean:
+        say(_line(row, widths, columns, numbers))
+
+
+def fitted(widths: list[int], room: int) -> list[int]:
+    """Column widths that fit: the widest column gives way first, none below eight letters.
+
+    >>> fitted([10, 80, 10], 64)
+    [10, 40, 10]
+    """
+    found = list(widths)
+    while sum(found) + 2 * (len(found) - 1) > room and max(found) > _NARROWEST:
+        widest = found.index(max(found))
+        found[widest] -= 1
+    return found
+
+
+def _line(cells: Sequence[str], widths: list[int], columns: Sequence[str], numbers: Sequence[str]) -> str:
+    fitting = [
+        plain(cell, limit).rjust(limit) if column in numbers else plain(cell, limit).ljust(limit)
+        for cell, limit, column in zip(cells, widths, columns, strict=True)
+    ]
+    return "  ".join(fitting).rstrip()
