@@ -15,6 +15,7 @@ import numpy as np
 from wakeful.bridges.content import begins_with, digest_of, excerpt, extra, opened
 from wakeful.bridges.instants import LATEST_NS
 from wakeful.bridges.plain import text
+from wakeful.bridges.ulog_events import LEVELS, TOPIC, EventTexts
 from wakeful.bridges.ulog_topics import Layout, kept_rows
 from wakeful.contracts.bridge import Item, Peek, SourceError
 from wakeful.facts.events import Observation, Undecodable
@@ -28,17 +29,8 @@ _SUFFIXES: Final = (".ulg", ".ulog")
 _HEADER: Final = struct.Struct("<HB")
 _NS_PER_US: Final = 1_000
 _LATEST_US: Final = LATEST_NS // _NS_PER_US
-#: ULog's levels, as ASCII digits, with the severity that all bridges share: 0 debug, 1 info, 2 warning, 3 error, 4 fatal.
-_LEVELS: Final[dict[int, tuple[str, int]]] = {
-    ord("0"): ("emergency", 4),
-    ord("1"): ("alert", 4),
-    ord("2"): ("critical", 4),
-    ord("3"): ("error", 3),
-    ord("4"): ("warning", 2),
-    ord("5"): ("notice", 1),
-    ord("6"): ("info", 1),
-    ord("7"): ("debug", 0),
-}
+#: Colours for a terminal, and what else can't be shown.
+_CONTROL: Final = re.compile(r"\x1b\[[0-9;]*m|[\x00-\x08\x0b-\x1f\x7f]")
 _MODULE: Final = re.compile(r"\[([\w ./-]{1,40})\]\s*")
 
 Values = Callable[[], dict[str, Value]]
@@ -95,6 +87,7 @@ class _Rows:
     """All rows of a log in the order of their times; equal times in the order of their topics' names."""
 
     def __init__(self, log: ULog, max_hz: float) -> None:
+        self._texts = EventTexts(log)
         self._topics: list[tuple[str, Layout]] = []
         times, topics, rows = [np.empty(0, np.uint64)], [np.empty(0, np.intp)], [np.empty(0, np.intp)]
         for data in sorted(log.data_list, key=lambda data: (data.name, data.multi_id)):
@@ -123,6 +116,8 @@ class _Rows:
             _, topic, values = self._said[row]
             return at_us, topic, lambda: values
         topic, layout = self._topics[which]
+        if topic == TOPIC:
+            return at_us, topic, lambda: (shown := layout.values(row)) | self._texts.words(shown)
         return at_us, topic, lambda: layout.values(row)
 
     def channels(self) -> Iterator[str]:
@@ -137,8 +132,9 @@ def _said(log: ULog) -> Iterator[tuple[int, str, dict[str, Value]]]:
     """What is no row of a topic: messages, dropouts, parameters changed in flight."""
     tagged = [(message, str(tag)) for tag, messages in sorted(log.logged_messages_tagged.items()) for message in messages]
     for message, tag in [*((message, "") for message in log.logged_messages), *tagged]:
-        level, severity = _LEVELS.get(message.log_level, ("unknown", 1))
-        shown = text(message.message.strip("\0 \t\r\n"))
+        digit = message.log_level - ord("0")
+        level, severity = LEVELS[digit] if 0 <= digit < len(LEVELS) else ("unknown", 1)
+        shown = _CONTROL.sub("", text(message.message)).strip()
         module = _MODULE.match(shown)
         values: dict[str, Value] = {
             "level": level,
