@@ -58,5 +58,9 @@ def test_an_expectation_becomes_probabilities_over_the_outcome_labels() -> None:
         "none": 0.3,
         "intervention": 0.7,
     }
-    assert expected(one, Guideline(treat="planning", because="", expect="unheard_of")) == {}
-    assert expected(one, None) == {}
+
+
+def test_where_nothing_is_expected_every_label_is_equally_likely() -> None:
+    even = {"none": 0.5, "intervention": 0.5}
+    assert expected(spec(), Guideline(treat="planning", because="", expect="unheard_of")) == even
+    assert expected(spec(), None) == even

@@ -56,12 +56,13 @@ def advise(spec: DomainSpec, allowed: tuple[str, ...], event: Event) -> Advice:
 
 
 def expected(spec: DomainSpec, guideline: Guideline | None) -> dict[str, float]:
-    """The guideline's expectation as probabilities over the domain's outcome labels; empty where it states none."""
+    """The guideline's expectation as probabilities over the domain's outcome labels.
+
+    Where none is stated, all are equally likely: even a forecast that rests on nothing is judged, and learned from.
+    """
     labels = spec.outcome.labels
-    if guideline is None or guideline.expect not in labels:
-        return {}
+    if guideline is None or guideline.expect not in labels or len(labels) == 1:
+        return {label: round(1.0 / len(labels), 9) for label in labels}
     probability = min(max(guideline.probability, 0.0), 1.0)
-    if len(labels) == 1:
-        return {guideline.expect: 1.0}
     rest = (1.0 - probability) / (len(labels) - 1)
     return {label: round(probability if label == guideline.expect else rest, 9) for label in labels}

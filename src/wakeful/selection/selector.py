@@ -164,7 +164,9 @@ class Selector:
             advice = advise(self.spec, self.allowed, event)
             chosen, reasons = self._advised(advice)
             if advice.leading is not None:
-                shares, prior = advice.shares, expected(self.spec, advice.leading) or prior
+                shares = advice.shares
+                if advice.leading.expect:
+                    prior = expected(self.spec, advice.leading)
             ranked = _ranked(self.allowed, shares, first=chosen)
         else:
             ranked = _ranked(self.allowed, shares)
