@@ -20,7 +20,7 @@ VALUES = st.recursive(
 
 
 def _schemas(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    names = st.sampled_from(["null", "boolean", "number", "string", "array", "object"])
+    names = st.sampled_from(["null", "boolean", "integer", "number", "string", "array", "object"])
     few = st.integers(0, 3)
     return st.fixed_dictionaries(
         {},

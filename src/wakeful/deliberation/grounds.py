@@ -16,6 +16,7 @@ _PYTHON_WORDS: dict[str, Field] = {"True": True, "False": False, "None": None}
 _LEAK = 0.01
 _SUPPORTED = re.compile(r"\b(?:supported|confirmed|proved right|was right)\b", re.IGNORECASE)
 _CONTRADICTED = re.compile(r"\b(?:contradicted|refuted|proved wrong|was wrong)\b", re.IGNORECASE)
+_TREATED = re.compile(r"\btreated (?:by|with)\s+", re.IGNORECASE)
 _SHOWED = re.compile(r"\b(?:outcome|showed|shown|shows|ended)\b", re.IGNORECASE)
 
 
@@ -65,8 +66,9 @@ def risk(hazards: Sequence[Hazard]) -> float:
 def blame(faults: Sequence[Fault], facts: Mapping[str, tuple[Field, ...]]) -> dict[str, float]:
     """Which of the faults explains the facts: posterior of each, one fault at a time, by its prior and its causes.
 
-    A symptom is an event kind or ``field=value``. One that is seen counts with the fault's probability of causing it (or a small
-    leak); a symptom whose field is there with another value counts against; one that nobody looked for says nothing.
+    A symptom is an event kind or ``field=value``, where the value may be a comparison such as ``>70``. One that is seen counts
+    with the fault's probability of causing it (or a small leak); one whose field is there with another value counts against; one
+    that nobody looked for says nothing.
 
     Returns:
         Probabilities that sum to 1 over the faults; empty where no symptom of any is seen.
@@ -94,12 +96,15 @@ def _symptom(symptom: str, facts: Mapping[str, tuple[Field, ...]]) -> bool | Non
         return True if symptom in facts.get("kind", ()) else None
     if name not in facts:
         return None
-    return any(one in facts[name] for one in readings(wanted))
+    return any(holds({name: one}, facts) for one in readings(wanted) if isinstance(one, bool | int | float | str))
 
 
 def history_of(option: str, history: Sequence[str]) -> Tally:
-    """How often sentences on validated experience that name this option say that it was supported, and contradicted."""
-    about = [sentence for sentence in history if _mention(option, sentence) is not None]
+    """How often sentences on validated experience say that this option was supported, and contradicted.
+
+    In a sentence that says "treated by" or "treated with", what follows the last of them is meant; in others, any mention counts.
+    """
+    about = [sentence for sentence in history if _is_about(option, sentence)]
     contradicted = sum(1 for sentence in about if _CONTRADICTED.search(sentence))
     supported = sum(1 for sentence in about if _SUPPORTED.search(sentence) and not _CONTRADICTED.search(sentence))
     return Tally(supported, contradicted)
@@ -118,9 +123,15 @@ def shown(labels: Sequence[str], history: Sequence[str]) -> dict[str, int]:
     return counts
 
 
+def _is_about(option: str, sentence: str) -> bool:
+    treated = list(_TREATED.finditer(sentence))
+    if not treated:
+        return _mention(option, sentence) is not None
+    return _mention(option, sentence, treated[-1].end()) == treated[-1].end()
+
+
 def _mention(name: str, sentence: str, start: int = 0) -> int | None:
     """Where a name stands in a sentence as a word of its own, ``_`` and space being the same."""
-    found = re.compile(rf"(?<![\w-]){re.escape(name.replace('_', ' '))}(?![\w-])", re.IGNORECASE).search(
-        sentence.replace("_", " "), start
-    )
+    words = re.escape(name).replace("_", "[ _]")
+    found = re.compile(rf"(?<![\w-]){words}(?![\w-])", re.IGNORECASE).search(sentence, start)
     return found.start() if found else None

@@ -37,12 +37,15 @@ Answer with one JSON object and nothing else:
  "because": a list of one to four short sentences naming the facts that decided}\
 """
 
+#: An event's id says nothing to a model; left out, like events of like history share a kept reply.
+_OPAQUE = re.compile(r"[0-9a-f]{20}")
+
 _SECRETS = re.compile(
     r"-----BEGIN [A-Z ]*PRIVATE KEY-----.*?(?:-----END [A-Z ]*PRIVATE KEY-----|$)"
     r"|\b(?:sk|ghp|gho|xox[a-z])[-_][A-Za-z0-9_-]{12,}"
     r"|\bAKIA[0-9A-Z]{16}\b"
     r"|(?<=://)[^\s/@:]{1,200}:[^\s/@]{1,200}(?=@)"
-    r"|(?i:\b(?:password|passwd|pwd|secret|token|api[_-]?key|authorization)\b[\"']?\s{0,3}[=:]\s{0,3}(?:bearer\s+|basic\s+)?[^\s,;\"']{1,500})",
+    r"|(?i:\b(?:password|passwd|pwd|secret|token|api[_-]?key|authorization)\b[\"']?\s{0,3}[=:]\s{0,3}[\"']?(?:bearer\s+|basic\s+)?[^\s,;\"']{1,500})",
     re.DOTALL,
 )
 
@@ -86,7 +89,7 @@ def build(question: Question, spec: DomainSpec, meanings: Mapping[str, str]) -> 
     data = _json(
         {
             "about": clean(question.about),
-            "event": clean(question.event),
+            **({} if _OPAQUE.fullmatch(question.event) else {"event": clean(question.event)}),
             "facts": {clean(name, 80): clean(value) for name, value in sorted(question.facts.items())[:FACTS]},
             "history": [clean(sentence) for sentence in question.history[:HISTORY]],
         }

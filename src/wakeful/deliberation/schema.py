@@ -69,6 +69,11 @@ def _check(value: Value, place: _Place) -> str | None:
 
 
 def _same(left: Value, right: Value) -> bool:
+    """Equality as JSON has it: 1 is 1.0, and neither is true."""
+    if isinstance(left, list) and isinstance(right, list):
+        return len(left) == len(right) and all(map(_same, left, right))
+    if isinstance(left, dict) and isinstance(right, dict):
+        return left.keys() == right.keys() and all(_same(left[name], right[name]) for name in left)
     return left == right and isinstance(left, bool) == isinstance(right, bool)
 
 
@@ -85,7 +90,7 @@ def _is_type(value: Value, name: Value, place: _Place) -> bool:
         case "boolean":
             return isinstance(value, bool)
         case "integer":
-            return isinstance(value, int) and not isinstance(value, bool)
+            return (isinstance(value, int) and not isinstance(value, bool)) or (isinstance(value, float) and value.is_integer())
         case "number":
             return isinstance(value, int | float) and not isinstance(value, bool)
         case "string":
