@@ -330,3 +330,19 @@ def test_every_process_ends_by_legal_moves_and_every_answer_has_its_request(plan
         elif isinstance(record, Answered):
             asked.remove((record.process, record.seq))
     assert all(state is State.COMPLETED for state in states.values())
+
+
+def test_in_slotted_time_all_that_came_within_a_step_is_known_before_the_next_one_begins() -> None:
+    world = World(ALL)
+    world.settings = msgspec.structs.replace(world.settings, slotted=True)
+    world.now_ns = 500_000_000
+    world.meet("first", "short")
+    world.meet("urgent", "short", criticality=3)
+    assert world.scheduler.processes.active == []
+    world.until(0.9)
+    world.crash()
+    world.until(1.5)
+    assert world.scheduler.processes.active == [2]
+    world.until(9)
+    done = [(line.at_ns, line.record.event) for line in world.lines if isinstance(line.record, Concluded)]
+    assert done == [(3_000_000_000, "urgent"), (5_000_000_000, "first")]

@@ -29,7 +29,7 @@ from wakeful.scheduling.process_set import ProcessSet
 from wakeful.scheduling.thinking import WHICH_TREATMENT, provisional, revised
 from wakeful.scheduling.wants import Want, Work
 
-_STEP, _LIMIT = 0, 1
+_STEP, _LIMIT, _TICK = 0, 1, 2
 _OUTSIDE = (Kind.DELIBERATE, Kind.ASK, Kind.CALL)
 
 #: What an Answered says in ``error`` when a call with effect was in doubt after a crash: a person is told, it is never retried.
@@ -87,6 +87,7 @@ class Scheduler:
         self.processes = ProcessSet(policy, host.event)
         self._coroutines = Coroutines(treatments.get, spec, options, lambda: host.now_ns)
         self._due: list[tuple[int, int, int, int]] = []
+        self._tick_ns: int | None = None
 
     # --- processes come ---
 
@@ -124,6 +125,10 @@ class Scheduler:
         due_ns, rank, identity, seq = heapq.heappop(self._due)
         if not self._still_due(rank, identity, seq, due_ns):
             return
+        if rank == _TICK:
+            self._tick_ns = None
+            self._settle()
+            return
         process = self.processes[identity]
         if rank == _STEP:
             self._step_ended(process)
@@ -132,6 +137,8 @@ class Scheduler:
         self._settle()
 
     def _still_due(self, rank: int, identity: int, seq: int, due_ns: int) -> bool:
+        if rank == _TICK:
+            return self._tick_ns == due_ns
         process = self.processes.get(identity)
         if process is None:
             return False
@@ -164,6 +171,8 @@ class Scheduler:
 
     def _settle(self) -> None:
         """Give the slots to whom the policy picks, until nobody needs to move; then let the holders' steps run."""
+        if self._wait_for_tick():
+            return
         while True:
             pick = self._policy.pick(self.processes.active, self._slots, self._host.now_ns)
             for each in pick.abandon:
@@ -185,6 +194,16 @@ class Scheduler:
                 process.stepping = True
                 due_ns = process.active_since_ns + (process.ran + 1) * self._step_ns
                 heapq.heappush(self._due, (due_ns, _STEP, process.id, 0))
+
+    def _wait_for_tick(self) -> bool:
+        """In slotted time nobody moves between two ticks; whether that is so now."""
+        now_ns = self._host.now_ns
+        if not self._host.settings.slotted or not self._step_ns or now_ns % self._step_ns == 0:
+            return False
+        if self._tick_ns is None:
+            self._tick_ns = now_ns - now_ns % self._step_ns + self._step_ns
+            heapq.heappush(self._due, (self._tick_ns, _TICK, 0, 0))
+        return True
 
     def _dispatch(self, process: Process) -> None:
         self._move(process, Trigger.DISPATCH)
