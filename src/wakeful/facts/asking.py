@@ -78,4 +78,5 @@ class Episode(Fact, frozen=True):
     outcome: str = ""
     verdict: str = ""
     experience: int = 0
+    robot: str = ""
     fields: dict[str, None | bool | int | float | str | tuple[float, ...]] = {}

@@ -98,7 +98,11 @@ class Guideline(Fact, frozen=True):
 
 
 class Hazard(Fact, frozen=True):
-    """A row of the hazard table: severity class 1 (slight) to 4 (fatal), exposure and prior likelihood in [0, 1]."""
+    """A row of the hazard table: severity class 1 (slight) to 4 (fatal), exposure and prior likelihood in [0, 1].
+
+    ``outcomes`` are the outcome labels that show it come true, from which its likelihood is learned. Where none is named it is
+    the hazard's own name if that is a label, else the only label beside the first; with more labels nothing is learned.
+    """
 
     name: str
     severity: int
@@ -106,6 +110,7 @@ class Hazard(Fact, frozen=True):
     likelihood: float
     when: dict[str, Scalar | list[Scalar]] = {}
     control: str = ""
+    outcomes: tuple[str, ...] = ()
 
 
 class Fault(Fact, frozen=True):

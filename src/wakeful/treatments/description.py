@@ -13,7 +13,7 @@ from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled
 from wakeful.treatments.measures import number, plain
 from wakeful.treatments.remembering import age_s, of_entity, same, similar, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import bare, brief, span, subject, valued, worded
+from wakeful.treatments.wording import brief, span, subject, valued, worded
 
 #: How many sightings or like cases tell what is normal here.
 SIGHTINGS = 8
@@ -86,7 +86,7 @@ async def description(event: Event, mind: Mind) -> Description:
     usual = f"what {scene.entity} is usually like" if own else f"what a {event.kind} is usually like"
     return Description(
         says=sentence(
-            mind, _what(event, scene), _shown(attributes, odd), _beside(event, scene, odd, past), expectation(forecast)
+            mind, _what(event, scene), _shown(event, attributes, odd), _beside(event, scene, odd, past), expectation(forecast)
         ),
         confidence=sure(mind, confidence),
         rests_on=(f"event {event.id}", *(f"event {episode.event}" for episode in past), *forecast_reasons(mind, [voice])),
@@ -119,7 +119,10 @@ def _what(event: Event, scene: SceneEntry) -> str:
     return f"{subject(event)} ({event.relation.value}{where}{', safety at stake' if event.context.safety else ''})"
 
 
-def _shown(attributes: tuple[Attribute, ...], odd: list[Attribute]) -> str:
+def _shown(event: Event, attributes: tuple[Attribute, ...], odd: list[Attribute]) -> str:
+    if event.says:
+        # registration has said it already, with the numbers that matter
+        return ""
     # what is unusual is said first, or the sentence would bury it
     first = [*odd, *(attribute for attribute in attributes if attribute not in odd)]
     told = [attribute for attribute in first if attribute.value is not None][:NAMED]
@@ -135,4 +138,4 @@ def _beside(event: Event, scene: SceneEntry, odd: list[Attribute], past: tuple[E
     seen = f"; {len(past)} {'sightings' if scene.usual_of == 'its own' else 'like cases'} recalled, the last {span(last)} ago"
     if not odd:
         return seen + ", all as usual" if scene.attributes else seen
-    return seen + ", unusual: " + ", ".join(f"{bare(a.name)} (usually {valued(a.name, a.usual)})" for a in odd[:NAMED])
+    return seen + ", unusual: " + ", ".join(f"{worded(a.name, a.value)} (usually {valued(a.name, a.usual)})" for a in odd[:NAMED])

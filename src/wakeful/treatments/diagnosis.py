@@ -15,7 +15,7 @@ from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
-from wakeful.treatments.remembering import age_s, of_entity, similar
+from wakeful.treatments.remembering import age_s, of_robot, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.symptoms import findings, holds, split
 from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
@@ -31,7 +31,7 @@ class DiagnosisSettings(Fact, frozen=True):
     leak: float = 0.02
     """Probability that a symptom appears without any fault of the table."""
     recent_s: float = 300.0
-    """Other events of the entity so long before this one count as symptoms of the same fault."""
+    """Other events of the robot so long before this one (or while it waits) count as symptoms of the same fault."""
     episodes: int = 12
     cases: int = 8
     model_cases: float = 3.0
@@ -89,12 +89,11 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
     Source: noisy-OR network (Pearl 1988), exact posterior (Heckerman 1989), next check by expected information gain (de Kleer
     and Williams 1987). It stops when a fault passes the threshold, or nothing more can be asked that would tell enough.
     """
-    await mind.work(1)
+    await mind.work(2)
     network = Network(mind.domain.fault, settings.leak)
     recent = await _recent(event, mind, settings)
     known = findings(mind.domain.fault, event, recent)
     past = await similar(event, mind, settings.cases)
-    await mind.work(1)
 
     asked: list[str] = []
     heard: list[str] = []
@@ -107,16 +106,16 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
         asked.append(check.symptom)
         for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
             _take_in(check.symptom, offer, evidence.at_ns, reading(evidence, _field(check.symptom)), known, heard)
-        # while it waited the entity may have shown more
+        await mind.work(1)
+        # while it waited the robot may have shown more
         recent = await _recent(event, mind, settings)
         known = {**findings(mind.domain.fault, event, recent), **known}
-        await mind.work(1)
 
     return _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard))
 
 
 async def _recent(event: Event, mind: Mind, settings: DiagnosisSettings) -> tuple[Episode, ...]:
-    past = await of_entity(event, mind, settings.episodes)
+    past = await of_robot(event, mind, settings.episodes)
     return tuple(episode for episode in past if abs(age_s(event, episode)) <= settings.recent_s)
 
 
@@ -215,7 +214,9 @@ def _suspect(fault: Fault, posterior: float, known: Mapping[str, bool]) -> Suspe
 
 
 def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> Voice | None:
-    """Where the fault table names outcome labels among what faults cause, it forecasts them."""
+    """Where the fault table names outcome labels among what faults cause, it forecasts them, if a fault shows itself at all."""
+    if not any(known.values()):
+        return None
     named = [label for label in mind.domain.outcome.labels[1:] if label in network.symptoms and label not in known]
     return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named}, settings.model_cases)
 
@@ -248,5 +249,5 @@ def _proposal(event: Event, mind: Mind, top: Suspect | None) -> tuple[Proposal, 
     if top is None or not top.remedy:
         return ()
     first = (f"checked: {top.check}",) if top.check else ()
-    until_ns = to_ns(mind.now_s + mind.domain.outcome.within_s)
+    until_ns = event.stamp.received_ns + to_ns(mind.domain.outcome.within_s)
     return (Proposal(effect=top.remedy, preconditions=(*first, f"{event.entity} is safe to work on"), valid_until_ns=until_ns),)

@@ -41,11 +41,11 @@ def prior_voice(mind: Mind) -> Voice | None:
 
 
 def recalled_voice(domain: DomainSpec, episodes: Iterable[Episode]) -> Voice | None:
-    """How the recalled cases ended, each weighing its likeness; None where none has ended in a label of this domain."""
+    """How the recalled cases ended, each weighing what it is worth; None where none has ended in a label of this domain."""
     counts: dict[str, float] = {}
     for episode in episodes:
         if episode.outcome in domain.outcome.labels:
-            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + likeness(episode)
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + worth(episode)
     total = sum(counts.values())
     if total <= 0.0:
         return None
@@ -102,8 +102,13 @@ def expectation(forecast: Forecast | None) -> str:
 
 
 def likeness(episode: Episode) -> float:
-    """How much a recalled case counts, in [0, 1]."""
+    """The recalled case's likeness, in [0, 1]."""
     return min(max(number(episode.likeness) or 0.0, 0.0), 1.0)
+
+
+def worth(episode: Episode) -> float:
+    """How much of a case a recalled one weighs: its likeness squared, so that many unlike ones don't drown a few like ones."""
+    return likeness(episode) ** 2
 
 
 def _over(labels: tuple[str, ...], prior: Mapping[str, float]) -> dict[str, float]:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
+from msgspec.structs import replace
+
 from wakeful.facts.asking import Episode
 from wakeful.facts.domain import DomainSpec, Hazard, matches
 from wakeful.facts.events import Event
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.beta import Belief
-from wakeful.treatments.forecasting import likeness
+from wakeful.treatments.forecasting import worth
 from wakeful.treatments.measures import significant
 
 Rating = Literal["low", "medium", "serious", "high"]
@@ -36,8 +38,8 @@ MATRIX: dict[str, tuple[Rating, Rating, Rating, Rating]] = {
     "improbable": ("low", "medium", "medium", "medium"),
 }
 
-#: The severity that is assumed of harm that the table does not list: reversible injury or damage.
-UNLISTED_SEVERITY = 2
+#: What stands for the severity of an outcome that the table does not list. Nobody has said how bad it is.
+UNLISTED_SEVERITY = 1
 
 
 class HazardRow(Fact, frozen=True):
@@ -61,15 +63,14 @@ class HazardRow(Fact, frozen=True):
 
 
 def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> tuple[HazardRow, ...]:
-    """The rows that this event opens, greatest risk first; where none is listed, one for what the table does not know.
-
-    The unlisted row appears only if like cases have ended; it starts from Jeffreys' prior, Beta(1/2, 1/2).
+    """The rows that this event opens, greatest risk first. Where none is listed, one for each outcome that like cases showed:
+    it is not known to be harm, so its severity is not rated; it starts from Jeffreys' prior, Beta(1/2, 1/2).
     """
     has = circumstances(event)
     rows = [_listed(hazard, domain, past, table_cases, mass) for hazard in domain.hazard if matches(hazard.when, has)]
-    if not rows and any(case.outcome in domain.outcome.labels for case in past):
-        hits, cases = _harmed("", domain, past)
-        rows = [_row("unlisted harm", UNLISTED_SEVERITY, 1.0, Belief(0.5, 0.5).after(hits, cases - hits), cases, hits, mass)]
+    if not rows:
+        shown = [label for label in domain.outcome.labels[1:] if any(case.outcome == label for case in past)]
+        rows = [_unlisted(label, domain, past, mass) for label in shown]
     return tuple(sorted(rows, key=lambda row: (-row.risk, row.hazard)))
 
 
@@ -93,6 +94,16 @@ def circumstances(event: Event) -> Mapping[str, Field]:
     }
 
 
+def shows_as(hazard: Hazard, domain: DomainSpec) -> tuple[str, ...]:
+    """The outcome labels that show this hazard come true; none where the domain does not tell."""
+    labels = domain.outcome.labels
+    if hazard.outcomes:
+        return tuple(label for label in hazard.outcomes if label in labels)
+    if hazard.name in labels:
+        return (hazard.name,)
+    return labels[1:] if len(labels) == 2 else ()
+
+
 def rating(severity: int, harm: float) -> Rating:
     """The matrix at a severity class and a probability of harm.
 
@@ -104,10 +115,17 @@ def rating(severity: int, harm: float) -> Rating:
 
 
 def _listed(hazard: Hazard, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> HazardRow:
-    hits, cases = _harmed(hazard.name, domain, past)
+    hits, cases = _shown(shows_as(hazard, domain), domain, past)
     belief = Belief.of(hazard.likelihood, table_cases).after(hits, cases - hits)
     exposure = min(max(hazard.exposure, 0.0), 1.0)
     return _row(hazard.name, hazard.severity, exposure, belief, cases, hits, mass, hazard.control)
+
+
+def _unlisted(label: str, domain: DomainSpec, past: Sequence[Episode], mass: float) -> HazardRow:
+    hits, cases = _shown((label,), domain, past)
+    belief = Belief(0.5, 0.5).after(hits, cases - hits)
+    row = _row(label, UNLISTED_SEVERITY, 1.0, belief, cases, hits, mass)
+    return replace(row, rating="low", rating_at_worst="low", listed=False)
 
 
 def _row(
@@ -129,13 +147,10 @@ def _row(
         harmed=significant(hits),
         cases_to_halve=belief.cases_to_halve(),
         control=control,
-        listed=name != "unlisted harm",
     )
 
 
-def _harmed(hazard: str, domain: DomainSpec, past: Sequence[Episode]) -> tuple[float, float]:
-    """How many of the ended cases (by likeness) showed this hazard: its own label where it has one, else any but the first."""
-    labels = domain.outcome.labels
-    ended = [case for case in past if case.outcome in labels]
-    harm = {hazard} if hazard in labels else set(labels[1:])
-    return sum(likeness(case) for case in ended if case.outcome in harm), sum(likeness(case) for case in ended)
+def _shown(labels: tuple[str, ...], domain: DomainSpec, past: Sequence[Episode]) -> tuple[float, float]:
+    """How many of the ended cases showed one of the labels, of how many; nothing is learned where no label is known."""
+    ended = [case for case in past if labels and case.outcome in domain.outcome.labels]
+    return sum(worth(case) for case in ended if case.outcome in labels), sum(worth(case) for case in ended)

@@ -104,7 +104,14 @@ def _found(trip: Trip, best: Way | None, extra: float | None, blocked: tuple[str
         return f": no way is left from {trip.start} to {trip.goal}{because}"
     more = f", {extra:g} more than before" if extra else ""
     others = f"; {count - 1} other way{'s' if count > 2 else ''}" if count > 1 else "; no other way was found"
-    hangs = f"; all hangs on {', '.join(best.depends_on)}" if best.depends_on else ""
+    whole = len(best.depends_on) == len(best.nodes) - 1
+    hangs = (
+        "; every leg of it is indispensable"
+        if whole
+        else f"; all hangs on {', '.join(best.depends_on)}"
+        if best.depends_on
+        else ""
+    )
     return f": {'detour' if trip.detour else 'go'} {' → '.join(best.nodes)}, cost {best.cost:g}{more}{because}{others}{hangs}"
 
 
@@ -131,14 +138,11 @@ def _proposal(event: Event, mind: Mind, best: Way | None, blocked: tuple[str, ..
         return ()
     still = tuple(f"{name} is still blocked" for name in blocked)
     free = tuple(f"{leg_name(leg)} is free" for leg in pairwise(best.nodes))
-    until_ns = to_ns(mind.now_s + mind.domain.outcome.within_s)
+    until_ns = event.stamp.received_ns + to_ns(mind.domain.outcome.within_s)
     effect = f"take {' → '.join(best.nodes)}"
-    # an urgent event leaves a supervisor no less and an operator no more time than the plan is valid
-    return (Proposal(effect=effect, preconditions=(*still, *free), authority=_authority(event), valid_until_ns=until_ns),)
-
-
-def _authority(event: Event) -> Literal["operator", "supervisor"]:
-    return "operator" if event.context.safety else "supervisor"
+    # where people are near, a person decides
+    who: Literal["operator", "supervisor"] = "operator" if event.context.safety else "supervisor"
+    return (Proposal(effect=effect, preconditions=(*still, *free), authority=who, valid_until_ns=until_ns),)
 
 
 def _procedure(

@@ -50,10 +50,23 @@ async def of_entity(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]
     return newest_first(episode for episode in found if episode.event != event.id and episode.entity == event.entity)
 
 
+async def of_robot(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]:
+    """Recall the newest events of the event's robot, of whatever entity, never the event itself."""
+    found = await mind.recall(Query(limit=limit))
+    return newest_first(episode for episode in found if episode.event != event.id and _same_robot(event, episode))
+
+
 async def of_kind(event: Event, mind: Mind, kind: str, limit: int) -> tuple[Episode, ...]:
     """Recall events of one kind, newest first, never the event itself."""
     found = await mind.recall(Query(kind=kind, limit=limit))
-    return newest_first(episode for episode in found if episode.event != event.id and episode.kind == kind)
+    return newest_first(
+        episode for episode in found if episode.event != event.id and episode.kind == kind and _same_robot(event, episode)
+    )
+
+
+def _same_robot(event: Event, episode: Episode) -> bool:
+    """A memory that doesn't name robots is of one robot."""
+    return not episode.robot or not event.robot or episode.robot == event.robot
 
 
 def newest_first(episodes: Iterable[Episode]) -> tuple[Episode, ...]:

@@ -12,9 +12,9 @@ from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import forecast_reasons, model_voice, pooled, recalled_voice
-from wakeful.treatments.hazards import RATINGS, HazardRow, assess, worst
+from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, worst
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
-from wakeful.treatments.measures import number, significant
+from wakeful.treatments.measures import number
 from wakeful.treatments.remembering import similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
@@ -29,7 +29,7 @@ class RiskSettings(Fact, frozen=True):
     mass: float = 0.9
     """The probability that a credible interval holds."""
     cases: int = 10
-    cases_deliberating: int = 30
+    cases_deliberating: int = 20
     propose_from: str = "serious"
     wait_periods: float = 2.0
     """How many periods of an evidence source to wait for its next reading."""
@@ -61,9 +61,8 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
 
     Source: ISO 12100 (severity, exposure and likelihood estimated apart), MIL-STD-882E tables I to III (classes and matrix).
     """
-    await mind.work(1)
+    await mind.work(2)
     past = await similar(event, mind, settings.cases_deliberating if mind.mode == "delib" else settings.cases)
-    await mind.work(1)
     ahead = countdown(event.fields)
     asked: list[str] = []
     heard: list[str] = []
@@ -79,7 +78,12 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
     top = worst(rows)
     # the table's own likelihoods: the rows have taken in the like cases, which have a voice of their own
     open_now = {row.hazard for row in rows if row.listed}
-    told = {hazard.name: hazard.likelihood for hazard in mind.domain.hazard if hazard.name in open_now}
+    told = {
+        label: hazard.likelihood
+        for hazard in mind.domain.hazard
+        for label in shows_as(hazard, mind.domain)
+        if hazard.name in open_now and len(shows_as(hazard, mind.domain)) == 1
+    }
     voices = [recalled_voice(mind.domain, past), model_voice(mind.domain, "hazard table", told, settings.table_cases)]
     forecast = pooled(mind, event, voices)
     halves = _halves(top, askable(mind.domain, event))
@@ -131,6 +135,11 @@ def _risk(top: HazardRow | None, mass: float) -> str:
     if top is None:
         return " opens no hazard of the table, and nothing like it has ended yet: its risk is unknown"
     name = top.hazard.replace("_", " ")
+    if not top.listed:
+        return (
+            f" opens no hazard of the table; by how like cases ended, {name} may follow with {percent(top.likelihood)} "
+            f"({percent(mass)} credible {percent(top.low)} to {percent(top.high)})"
+        )
     return (
         f" carries a {top.rating} risk of {name}: likelihood {percent(top.likelihood)} "
         f"({percent(mass)} credible {percent(top.low)} to {percent(top.high)}), severity class {top.severity} of 4"
@@ -160,13 +169,14 @@ def _proposals(
 ) -> tuple[Proposal, ...]:
     if top is None or not top.control or RATINGS.index(top.rating) < RATINGS.index(settings.propose_from):
         return ()
-    lasts_s = min(mind.domain.outcome.within_s, ahead.in_s if ahead is not None else mind.domain.outcome.within_s)
-    soon = ahead is not None and ahead.in_s < mind.domain.outcome.within_s
+    window_s = mind.domain.outcome.within_s
+    # measured from the event, not from now: a rebuilt process must propose the same
+    lasts_s = window_s if ahead is None else min(ahead.in_s, window_s)
     return (
         Proposal(
             effect=top.control,
             preconditions=(f"{top.hazard} still possible at {event.entity}", "no person is put at risk by it"),
-            authority="supervisor" if soon else "operator",
-            valid_until_ns=to_ns(significant(mind.now_s + max(lasts_s, 0.0), 15)),
+            authority="supervisor" if lasts_s < window_s else "operator",
+            valid_until_ns=event.stamp.received_ns + to_ns(max(lasts_s, 0.0)),
         ),
     )

@@ -20,6 +20,5 @@ def sure(mind: Mind, confidence: float) -> float:
 def sentence(mind: Mind, *parts: str) -> str:
     """The parts as one sentence, marked as provisional in fallback mode."""
     said = "".join(part for part in parts if part).strip()
-    said = said[:1].upper() + said[1:] if said else "Nothing can be said"
     marked = f"Provisional: {said}" if mind.mode == "fallback" else said
     return marked if marked.endswith(("?", ".", "!")) else marked + "."

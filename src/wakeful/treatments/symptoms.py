@@ -63,10 +63,11 @@ def holds(condition: tuple[str, str, str], has: Mapping[str, Field]) -> bool | N
         if number(actual) is None or not _is_number(value):
             return None
         return matches({name: f"{sign}{value}"}, {name: actual})
-    if isinstance(actual, bool):
-        return actual == (value.casefold() in ("true", "yes", "1"))
     if isinstance(actual, str):
         return actual.casefold() == value.casefold()
+    if isinstance(actual, bool) or value.casefold() in ("true", "false"):
+        # a flag may have been recorded as a number
+        return bool(actual) == (value.casefold() in ("true", "yes", "1"))
     return number(actual) == float(value) if _is_number(value) else False
 
 

@@ -46,7 +46,7 @@ def askable(domain: DomainSpec, event: Event) -> tuple[Askable, ...]:
     """The evidence that concerns the event, by the domain's evidence sources.
 
     Of a source's channels these concern the event: its own (the field ``channel``, or the entity where that is a channel), the
-    one that a pattern names with the number in the entity's name, and every channel without ``*``. A source without channels
+    one that a pattern names of a numbered entity, and every channel without ``*``. A source without channels
     is offered by a detector of the domain's own, and is keyed by the entity.
     """
     found: dict[tuple[str, str], Askable] = {}
@@ -101,14 +101,20 @@ def reading(evidence: Evidence, name: str = "") -> Field:
 
 def _channels(source: EvidenceSource, event: Event) -> Iterator[str]:
     own = [name for name in (event.fields.get("channel"), event.entity) if isinstance(name, str)]
-    digits = _NUMBER.findall(event.entity)[-1:]
     for pattern in source.channels:
         if "*" not in pattern:
             yield pattern
             continue
-        yield from (name for name in own if fnmatchcase(name, pattern))
-        if digits and pattern.count("*") == 1 and not any(fnmatchcase(name, pattern) for name in own):
-            yield pattern.replace("*", digits[0])
+        named = [name for name in own if fnmatchcase(name, pattern)]
+        yield from named or _of_part(pattern, event.entity)
+
+
+def _of_part(pattern: str, entity: str) -> Iterator[str]:
+    """The channel of a numbered part: ``row/Current_J*`` or ``row/Temperature_*`` of ``J3``. A ``*`` in the topic stays open."""
+    before, _, after = pattern.partition("*")
+    digits = _NUMBER.findall(entity)[-1:]
+    if digits and "/" in before and "*" not in after:
+        yield before + (digits[0] if before[-1:].isalpha() else entity) + after
 
 
 def _filled(template: str, channel: str, robot: str) -> str:
