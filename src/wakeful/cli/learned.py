@@ -12,11 +12,10 @@ from wakeful.cli.terminal import say, table
 from wakeful.cli.words import duration, percent
 from wakeful.facts.experience import Verdict
 from wakeful.facts.time import to_s
-from wakeful.facts.values import Fact
-from wakeful.journal.views import History, history
+from wakeful.journal.views import History, View, history
 
 
-class TrustRow(Fact, frozen=True):
+class TrustRow(View, frozen=True):
     """Trust in one treatment, with what it was earned and lost on. ``trust`` is None where it was never changed."""
 
     treatment: str

@@ -13,13 +13,12 @@ from wakeful.cli.waiting import deadline_words, stands
 from wakeful.cli.words import count, duration, instant
 from wakeful.facts.processes import State
 from wakeful.facts.time import to_s
-from wakeful.facts.values import Fact
-from wakeful.journal.views import EventPast, History, ProcessPast, history, summary_of
+from wakeful.journal.views import EventPast, History, ProcessPast, View, history, summary_of
 
 CRITICALITIES = ("routine", "notable", "urgent", "critical")
 
 
-class EventRow(Fact, frozen=True):
+class EventRow(View, frozen=True):
     """One event as `wakeful events --json` lists it."""
 
     id: str
@@ -35,7 +34,7 @@ class EventRow(Fact, frozen=True):
     processes: tuple[int, ...]
 
 
-class ProcessRow(Fact, frozen=True):
+class ProcessRow(View, frozen=True):
     """One process as `wakeful processes --json` lists it. Ages and deadlines are in seconds of kernel time."""
 
     id: int

@@ -25,16 +25,15 @@ from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Answered, Opened
 from wakeful.facts.settings import MindSettings
-from wakeful.facts.values import Fact
 from wakeful.journal.sqlite import SqliteJournal, open_journal
-from wakeful.journal.views import Summary, summary
+from wakeful.journal.views import Summary, View, summary
 from wakeful.treatments.registry import Registry
 
 #: How many events a simulated robot, which never ends, meets in one run unless --events says otherwise.
 SIMULATED_EVENTS = 1000
 
 
-class ThisRun(Fact, frozen=True):
+class ThisRun(View, frozen=True):
     """What this run added to its journal, which may hold earlier ones."""
 
     received: int

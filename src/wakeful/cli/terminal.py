@@ -26,7 +26,8 @@ def width() -> int:
 
 
 def say(text: str = "", **style: bool | str | None) -> None:
-    """One line on standard output, coloured only on a terminal."""
+    """One line on standard output, coloured only on a terminal; what outside text could steer a terminal with is left out."""
+    text = "".join(letter for letter in text.replace("\n", " ") if letter.isprintable() or letter == "\t")
     click.echo(click.style(text, **style) if style else text)  # type: ignore[arg-type]  # click's own keywords
 
 

@@ -9,11 +9,11 @@ from wakeful.cli.terminal import say, table
 from wakeful.contracts.domain import DomainError
 from wakeful.domains import load, names
 from wakeful.facts.domain import DomainSpec
-from wakeful.facts.values import Fact
+from wakeful.journal.views import View
 from wakeful.treatments.registry import Registry
 
 
-class DomainRow(Fact, frozen=True):
+class DomainRow(View, frozen=True):
     """One domain as `wakeful domains --json` lists it."""
 
     name: str
@@ -27,7 +27,7 @@ class DomainRow(Fact, frozen=True):
     error: str = ""
 
 
-class TreatmentRow(Fact, frozen=True):
+class TreatmentRow(View, frozen=True):
     """One treatment as `wakeful treatments --json` lists it."""
 
     name: str

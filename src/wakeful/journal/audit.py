@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from wakeful.facts.lines import Line
-from wakeful.facts.values import Fact
 from wakeful.journal.checks.check import Check, Offence
 from wakeful.journal.checks.intake import Abandoned, Conservation, Coverage
 from wakeful.journal.checks.learned import Lineage, Verdicts
 from wakeful.journal.checks.order import Positions, Time
 from wakeful.journal.checks.processes import Results, Transitions, Wakeups
 from wakeful.journal.checks.requests import Answers, Repeats
-from wakeful.journal.readable import Readable
+from wakeful.journal.readable import Readable, View
 
 #: The checks, in the order of the report. To add one is to write it and name it here.
 CHECKS: tuple[type[Check], ...] = (
@@ -29,7 +28,7 @@ CHECKS: tuple[type[Check], ...] = (
 )
 
 
-class Finding(Fact, frozen=True):
+class Finding(View, frozen=True):
     """What one check found. ``count`` is of offences, ``checked`` of what the rule was put to."""
 
     ok: bool
@@ -39,7 +38,7 @@ class Finding(Fact, frozen=True):
     first_offender: Offence | None = None
 
 
-class Audit(Fact, frozen=True):
+class Audit(View, frozen=True):
     """The whole report: ``ok`` when every check is."""
 
     ok: bool

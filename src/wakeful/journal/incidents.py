@@ -12,14 +12,13 @@ from collections.abc import Sequence
 from statistics import median
 
 from wakeful.facts.time import NS_PER_S, to_ns, to_s
-from wakeful.facts.values import Fact
 from wakeful.journal.history import History, history
-from wakeful.journal.readable import Readable
+from wakeful.journal.readable import Readable, View
 
 DEFAULT_WITHIN_S = 60.0
 
 
-class Heard(Fact, frozen=True):
+class Heard(View, frozen=True):
     """Incidents of one label (or all) that had at least one event in the window before them.
 
     ``by_chance`` is the share that as many events thrown at random over the same time would get, ``lift`` the quotient.
@@ -38,7 +37,7 @@ class Heard(Fact, frozen=True):
     foretold: int = 0
 
 
-class KindStats(Fact, frozen=True):
+class KindStats(View, frozen=True):
     """One kind of event: how many, how often, and the incidents that it stood before."""
 
     kind: str
@@ -50,7 +49,7 @@ class KindStats(Fact, frozen=True):
     by_chance: float
 
 
-class Stats(Fact, frozen=True):
+class Stats(View, frozen=True):
     """What registration made of a source."""
 
     observations: int

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Protocol
 
+import msgspec
+
 from wakeful.facts.lines import (
     Acted,
     Admitted,
@@ -23,6 +25,10 @@ from wakeful.facts.lines import (
     Refused,
     Reopened,
 )
+
+
+class View(msgspec.Struct, frozen=True, kw_only=True):
+    """Base of what the read side tells. Unlike a recorded fact it leaves out no field: a program that reads it finds each one."""
 
 
 class Readable(Protocol):

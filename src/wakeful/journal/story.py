@@ -8,8 +8,9 @@ from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.lines import Judged, Line, Noted, Trusted
 from wakeful.facts.results import Forecast
-from wakeful.facts.values import NOTHING, Fact, Raw
+from wakeful.facts.values import NOTHING, Raw
 from wakeful.journal.history import EventPast, History, ProcessPast
+from wakeful.journal.readable import View
 
 
 class NoSuchEvent(Exception):
@@ -20,7 +21,7 @@ class NoSuchEvent(Exception):
         self.close = close
 
 
-class VerdictTold(Fact, frozen=True):
+class VerdictTold(View, frozen=True):
     """One verdict with the outcome that brought it, where one came."""
 
     at_ns: int
@@ -28,7 +29,7 @@ class VerdictTold(Fact, frozen=True):
     outcome: Outcome | None = None
 
 
-class ProcessStory(Fact, frozen=True):
+class ProcessStory(View, frozen=True):
     """One process about the event. ``role`` is root, child or reopening."""
 
     id: int
@@ -54,7 +55,7 @@ class ProcessStory(Fact, frozen=True):
     notes: tuple[Noted, ...] = ()
 
 
-class Remembered(Fact, frozen=True):
+class Remembered(View, frozen=True):
     """An experience that a decision rested on, with what its event was."""
 
     experience: Experience
@@ -63,14 +64,14 @@ class Remembered(Fact, frozen=True):
     says: str = ""
 
 
-class TrustTold(Fact, frozen=True):
+class TrustTold(View, frozen=True):
     """A change of trust that this event's experience brought."""
 
     at_ns: int
     trusted: Trusted
 
 
-class Story(Fact, frozen=True):
+class Story(View, frozen=True):
     """All that the journal knows of one event. Instants are kernel time; ``offset_ns`` takes them to source time."""
 
     event: Event

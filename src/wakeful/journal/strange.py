@@ -9,8 +9,8 @@ from wakeful.facts.lines import Judged
 from wakeful.facts.processes import Completion, State
 from wakeful.facts.results import Forecast
 from wakeful.facts.time import to_s
-from wakeful.facts.values import Fact
 from wakeful.journal.history import EventPast, History, ProcessPast
+from wakeful.journal.readable import View
 from wakeful.journal.results import result_says
 
 #: Bits added to the surprise for each further sign of strangeness; a forecast never counts for more than the floor.
@@ -21,7 +21,7 @@ UNRESOLVED_BITS = 1.0
 FLOOR = 1e-3
 
 
-class StrangeEpisode(Fact, frozen=True):
+class StrangeEpisode(View, frozen=True):
     """One event's story in short: opened, what was concluded, how it ended. ``surprise_bits`` is what it is ranked by."""
 
     event: str

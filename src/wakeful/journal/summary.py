@@ -10,15 +10,14 @@ from wakeful.facts.events import CRITICAL
 from wakeful.facts.experience import Verdict
 from wakeful.facts.processes import Completion, State
 from wakeful.facts.time import to_s
-from wakeful.facts.values import Fact
 from wakeful.journal.history import EventPast, History, ProcessPast, history
-from wakeful.journal.readable import Readable
+from wakeful.journal.readable import Readable, View
 from wakeful.journal.strange import StrangeEpisode, strangest
 
 DECILES = 10
 
 
-class Share(Fact, frozen=True):
+class Share(View, frozen=True):
     """``right`` of ``of``, with the fraction (None of nothing) and its 95 % Wilson interval."""
 
     right: int
@@ -48,7 +47,7 @@ def share(right: int, of: int) -> Share:
     )
 
 
-class Accuracy(Fact, frozen=True):
+class Accuracy(View, frozen=True):
     """Accuracy of treatment (where the recording labels it), of result (where the world decided), and of both in one event.
 
     ``base_rate`` is what always forecasting the most common outcome would have got of the same results.
@@ -61,7 +60,7 @@ class Accuracy(Fact, frozen=True):
     base_label: str = ""
 
 
-class Stretch(Fact, frozen=True):
+class Stretch(View, frozen=True):
     """One tenth of the admitted events, in order."""
 
     events: int
@@ -69,7 +68,7 @@ class Stretch(Fact, frozen=True):
     result: Share
 
 
-class Summary(Fact, frozen=True):
+class Summary(View, frozen=True):
     """What a run came to. Fractions are in [0, 1]; counts are of the whole journal."""
 
     source: str

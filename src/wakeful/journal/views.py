@@ -2,7 +2,7 @@
 
 from wakeful.journal.history import EventPast, History, ProcessPast, history, waits_for
 from wakeful.journal.incidents import Heard, KindStats, Stats, stats, stats_of
-from wakeful.journal.readable import Readable, event_of, process_of, tag_of
+from wakeful.journal.readable import Readable, View, event_of, process_of, tag_of
 from wakeful.journal.story import NoSuchEvent, Story, find_event, story
 from wakeful.journal.strange import StrangeEpisode, strangest
 from wakeful.journal.summary import Accuracy, Share, Stretch, Summary, covered, share, summary, summary_of
@@ -22,6 +22,7 @@ __all__ = [
     "StrangeEpisode",
     "Stretch",
     "Summary",
+    "View",
     "covered",
     "event_of",
     "find_event",

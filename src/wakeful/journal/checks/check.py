@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from wakeful.facts.lines import Line
-from wakeful.facts.values import Fact
+from wakeful.journal.readable import View
 
 
-class Offence(Fact, frozen=True):
+class Offence(View, frozen=True):
     """A line that breaks a rule: where it stands, which record it is, and what is wrong with it."""
 
     position: int

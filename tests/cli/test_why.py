@@ -1,0 +1,66 @@
+"""`wakeful why` tells the story of one event in words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tests.cli.conftest import Wakeful, written
+from tests.journal.builder import Book
+
+
+def test_the_story_names_candidates_gate_requests_result_and_what_happened_since(
+    wakeful: Wakeful, book: Book, journal: Path
+) -> None:
+    told = wakeful("why", book.event_of(1)[:8], "--journal", journal).stdout
+    for expected in (
+        "joint_current of joint_3",
+        "planning",
+        "confidence 0.800 reaches the threshold 0.700",
+        "asks for evidence camera|joint_3, and waits",
+        "is preempted by process 2 (grip_lost of gripper)",
+        "Result of diagnosis, confidence 0.70",
+        "joint 3 runs warm",
+        "the world showed protective_stop of the robot",
+        "contradicted",
+        "Reopened: process 4 thinks again about what process 1 concluded",
+        "diagnosis 0.900 → 0.600: contradicted",
+    ):
+        assert expected in told, expected
+
+
+def test_an_automatic_decision_names_its_model_and_the_experience_it_rests_on(
+    wakeful: Wakeful, book: Book, journal: Path
+) -> None:
+    automatic = json.loads(wakeful("events", "--journal", journal, "--mode", "auto", "--json").stdout)[0]["id"]
+    told = wakeful("why", automatic, "--journal", journal).stdout
+    assert "diagnosis, automatically; model version 1" in told
+    assert "nearest validated experience" in told
+    assert "the window passed and the world showed none: supported" in told
+
+
+def test_an_open_process_says_that_it_still_waits(wakeful: Wakeful, journal: Path) -> None:
+    waiting = json.loads(wakeful("processes", "--journal", journal, "--state", "waiting", "--json").stdout)[0]["event"]
+    assert "now waiting" in wakeful("why", waiting, "--journal", journal).stdout
+
+
+def test_json_holds_the_whole_story(wakeful: Wakeful, book: Book, journal: Path) -> None:
+    told = json.loads(wakeful("why", book.event_of(1), "--journal", journal, "--json").stdout)
+    assert [process["role"] for process in told["processes"]] == ["root", "child", "reopening"]
+
+
+def test_an_unknown_event_suggests_close_ones(wakeful: Wakeful, book: Book, journal: Path) -> None:
+    result = wakeful("why", book.event_of(1)[:5] + "zz", "--journal", journal)
+    assert result.exit_code == 1
+    assert result.stdout == ""
+    assert book.event_of(1) in result.stderr
+    assert len(result.stderr.splitlines()) == 1
+
+
+def test_text_from_the_world_cannot_steer_the_terminal(wakeful: Wakeful, tmp_path: Path) -> None:
+    book = Book()
+    process = book.admit("\x1b[2Jkind\x07", "arm\nerror: all is lost")
+    book.run_through(process)
+    path = written(list(book.lines()), tmp_path / "hostile.db")
+    for arguments in (("why", book.event_of(process)), ("events",), ("processes", "--all")):
+        assert not {"\x1b", "\x07"} & set(wakeful(*arguments, "--journal", path).stdout)
