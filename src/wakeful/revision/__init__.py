@@ -1,0 +1,6 @@
+"""Revision: trust per treatment; contradiction → lower trust, reopen, learn again, re-automate."""
+
+from wakeful.revision.revision import Revision, RevisionSettings
+from wakeful.revision.standing import Stale
+
+__all__ = ["Revision", "RevisionSettings", "Stale"]
