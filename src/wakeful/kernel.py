@@ -214,7 +214,7 @@ class Kernel:
         nearest = self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
         card = self._selector.card
         watermark = card.watermark if card is not None else 0
-        return self._selector.decide(event, self._revision.levels(), nearest, watermark)
+        return self._selector.decide(event, self._revision.levels(nearest), nearest, watermark)
 
     def _evidence(self, evidence: Evidence) -> None:
         if evidence.topic == "condition.cleared":
@@ -274,6 +274,8 @@ class Kernel:
         if trained.card.accepted:
             self._blobs[trained.card.blob] = trained.weights
             self._use(trained.card, trained.weights)
+        for trusted in self._revision.relearned(trained.card):
+            self.write(trusted)
         self.write(Published(training=trained.training, card=trained.card))
         self._learn()
 
