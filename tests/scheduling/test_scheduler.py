@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.scheduling.world import Repertoire, World, say
@@ -301,7 +301,8 @@ def _run(plan: list[tuple[int, str, int]], crashes: set[int]) -> World:
 _TREATMENTS = st.sampled_from(["short", "diagnosis", "remembering", "failing", "hopeless", "parent", "sleeper", "two_of_three"])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=60, deadline=None)
+@example(plan=[(5, "two_of_three", 0), (18, "short", 0), (18, "short", 0)], crashes={19})
 @given(
     st.lists(st.tuples(st.integers(0, 30), _TREATMENTS, st.integers(0, 3)), max_size=12),
     st.sets(st.integers(0, 39), max_size=12),

@@ -189,11 +189,13 @@ class Scheduler:
                 break
             self._dispatch(self.processes[newcomers[0]])
         for each in self.processes.active:
-            process = self.processes[each]
-            if not process.stepping:
-                process.stepping = True
-                due_ns = process.active_since_ns + (process.ran + 1) * self._step_ns
-                heapq.heappush(self._due, (due_ns, _STEP, process.id, 0))
+            self._begin_step(self.processes[each])
+
+    def _begin_step(self, process: Process) -> None:
+        if not process.stepping:
+            process.stepping = True
+            due_ns = process.active_since_ns + (process.ran + 1) * self._step_ns
+            heapq.heappush(self._due, (due_ns, _STEP, process.id, 0))
 
     def _wait_for_tick(self) -> bool:
         """In slotted time nobody moves between two ticks; whether that is so now."""
@@ -443,6 +445,8 @@ class Scheduler:
                 elapsed_ns = now_ns - process.active_since_ns
                 process.ran = elapsed_ns // self._step_ns if self._step_ns else 0
                 self._rebuild(process)
+                if process.state is State.ACTIVE:
+                    self._begin_step(process)  # it was within that step: nobody takes its slot before the step's end
             elif process.state is State.WAITING:
                 self._wait_again(process)
         self._settle()
