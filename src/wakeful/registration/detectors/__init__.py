@@ -11,6 +11,7 @@ from wakeful.registration.detectors.conditions import ConditionsDetector
 from wakeful.registration.detectors.cycle import CycleDetector
 from wakeful.registration.detectors.edge import EdgeDetector
 from wakeful.registration.detectors.jump import JumpDetector
+from wakeful.registration.detectors.recurrence import RecurrenceDetector
 from wakeful.registration.detectors.silence import SilenceDetector
 from wakeful.registration.detectors.stall import StallDetector
 from wakeful.registration.detectors.text import TextDetector
@@ -24,6 +25,7 @@ BUILT_IN: Mapping[str, DetectorFactory] = MappingProxyType(
         "cycle": CycleDetector,
         "edge": EdgeDetector,
         "jump": JumpDetector,
+        "recurrence": RecurrenceDetector,
         "silence": SilenceDetector,
         "stall": StallDetector,
         "text": TextDetector,

@@ -6,13 +6,15 @@ from typing import Final
 
 import msgspec
 
+from wakeful.contracts.detector import Found
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
 from wakeful.registration.channels import Channels
+from wakeful.registration.cycle_clock import CycleClock, Place
 from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of, short
 from wakeful.registration.learned_band import Band
-from wakeful.registration.plain import elapsed_s, number, scalar
+from wakeful.registration.plain import elapsed_s, number
 
 PHASES: Final = 64
 """Phases of a cycle that have a band of their own; the last one takes all that is later."""
@@ -25,8 +27,10 @@ class BandSettings(Settings, frozen=True):
     come back to before the excursion is over; ``hold``: observations outside before it counts; ``calm``: inside before it is
     over; ``gap_s``: least time between events of one channel; ``learn``, ``memory``: observations until there is a band, and over
     which it forgets; ``floor``: least standard deviation, in the channel's unit; ``size``: look at the number without its sign;
-    ``cycle``: a channel whose changes begin a cycle, with bands of their own for each ``phase_s`` of it; ``lasting``: an
-    excursion is a condition that is cleared when it is over; ``sides``: ``both``, ``above`` or ``below``.
+    ``cycle``: a channel whose changes begin a cycle, with bands of their own for each ``phase_s`` of it; ``pause``: flags
+    while one of which is up nothing is judged or learned, and the cycle stands still; ``lasting``: an
+    excursion is a condition that is cleared when it is over; ``sides``: ``both``, ``above`` or ``below``; ``together_s``:
+    excursions of several channels within so long are one event, that of the farthest out (0: each for itself).
     """
 
     width: float = 4.0
@@ -39,9 +43,11 @@ class BandSettings(Settings, frozen=True):
     floor: float = 0.0
     size: bool = False
     cycle: str = ""
+    pause: list[str] = []
     phase_s: float = 5.0
     lasting: bool = False
     sides: str = "both"
+    together_s: float = 0.0
 
 
 class Excursion(msgspec.Struct):
@@ -54,13 +60,6 @@ class Excursion(msgspec.Struct):
     event_ns: int | None = None
 
 
-class Cycle(msgspec.Struct):
-    """Which cycle it is, and since when."""
-
-    value: bool | int | float | str | None = None
-    since_ns: int = 0
-
-
 class BandDetector(PerChannel[Excursion]):
     """Learns the band of each channel (of each phase, where there is a cycle) and registers leaving it."""
 
@@ -69,18 +68,23 @@ class BandDetector(PerChannel[Excursion]):
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:
         super().__init__(spec, domain)
         self._settings = settings_of(spec, BandSettings)
-        self._cycle = Cycle()
-        self._cycle_channel = Channels((self._settings.cycle,)) if self._settings.cycle else None
+        self._clock = CycleClock(self._settings.cycle, tuple(self._settings.pause))
+        self._phase = 0
+        self._joined_ns: int | None = None
+        if self._clock.patterns:
+            # the cycle may be told by a topic that none of the measured channels is of
+            self.channels = Channels((*spec.channels, *self._clock.patterns))
         self._sign = {"above": 1.0, "below": -1.0}.get(self._settings.sides, 0.0)
 
     def observe(self, observation: Observation) -> list[Seen]:
         """What this observation shows on the detector's channels."""
-        if self._cycle_channel is not None:
-            for _, value in self._cycle_channel.of(observation):
-                now = scalar(value)
-                if now is not None and now != self._cycle.value:
-                    self._cycle = Cycle(now, observation.at_ns)
-        return list(super().observe(observation))
+        if self._clock.patterns:
+            place = self._clock.observe(observation)
+            if place.paused:
+                return []
+            self._phase = 1 + int(min(place.gone_s / self._settings.phase_s, PHASES - 2)) if place.number else 0
+        found = super().observe(observation)
+        return self._join(found, observation) if found and self._settings.together_s > 0 else found
 
     def look(self, channel: str, value: Value, memory: Excursion, observation: Observation) -> Seen | None:
         """Compare with the band as it was before this value, then learn from it."""
@@ -90,10 +94,9 @@ class BandDetector(PerChannel[Excursion]):
         settings = self._settings
         if settings.size:
             reading = abs(reading)
-        phase = self._phase(observation.at_ns)
-        band = memory.bands.get(phase)
+        band = memory.bands.get(self._phase)
         if band is None:
-            band = memory.bands[phase] = Band()
+            band = memory.bands[self._phase] = Band()
         seen = None
         if band.learned:
             score = band.score(reading, settings.floor)
@@ -103,11 +106,12 @@ class BandDetector(PerChannel[Excursion]):
 
     def state(self) -> bytes:
         """The memory of all channels, and of the cycle."""
-        return msgspec.msgpack.encode((self._cycle, self._memory))
+        return msgspec.msgpack.encode((self._clock.place, self._joined_ns, self._memory))
 
     def restore(self, state: bytes) -> None:
         """Take up what ``state`` gave out."""
-        self._cycle, self._memory = msgspec.msgpack.decode(state, type=tuple[Cycle, dict[str, Excursion]])
+        kept = tuple[Place, int | None, dict[str, Excursion]]
+        self._clock.place, self._joined_ns, self._memory = msgspec.msgpack.decode(state, type=kept)
 
     def _judge(
         self, channel: str, reading: float, score: float, middle: float, memory: Excursion, observation: Observation
@@ -142,8 +146,11 @@ class BandDetector(PerChannel[Excursion]):
         says = f"{channel} is {reading:.4g}, {abs(score):.1f} deviations {side} its usual {middle:.4g}"
         return self.found(channel, observation, fields, says, Phase.RAISED if settings.lasting else None)
 
-    def _phase(self, at_ns: int) -> int:
-        if self._cycle_channel is None or self._cycle.value is None:
-            return 0
-        gone = elapsed_s(at_ns, self._cycle.since_ns)
-        return 1 + int(min(gone / self._settings.phase_s, PHASES - 2))
+    def _join(self, found: list[Seen], observation: Observation) -> list[Seen]:
+        left = [item for item in found if not isinstance(item, Found) or item.phase is Phase.CLEARED]
+        out = [item for item in found if isinstance(item, Found) and item.phase is not Phase.CLEARED]
+        if out and elapsed_s(observation.at_ns, self._joined_ns) >= self._settings.together_s:
+            self._joined_ns = observation.at_ns
+            farthest = max(out, key=lambda item: abs(number(item.fields.get("deviation")) or 0.0))
+            left.append(msgspec.structs.replace(farthest, fields={**farthest.fields, "joined": len(out)}))
+        return left

@@ -5,7 +5,6 @@ An author fills in ``look``; the framework owns which values come, in what order
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import ClassVar, Final, Generic, TypeVar
 
 import msgspec
@@ -54,13 +53,13 @@ class PerChannel(Generic[M]):
             )
         self.spec = spec
         self._robot = domain.robot
-        self.channels = Channels(spec.channels)
+        self.channels = self._measured = Channels(spec.channels)
         self._memory: dict[str, M] = {}
 
-    def observe(self, observation: Observation) -> Iterable[Seen]:
+    def observe(self, observation: Observation) -> list[Seen]:
         """What this observation shows on the detector's channels."""
         found: list[Seen] = []
-        for channel, value in self.channels.of(observation):
+        for channel, value in self._measured.of(observation):
             memory = self._memory.get(channel)
             if memory is None:
                 memory = self._first(channel)

@@ -59,7 +59,7 @@ class ConditionsDetector(PerChannel[Listed]):
         pairs = (pair.partition("=") for pair in self._settings.criticality)
         self._criticality = {name.strip(): int(level) for name, _, level in pairs if level.strip().isdigit()}
 
-    def observe(self, observation: Observation) -> Iterable[Seen]:
+    def observe(self, observation: Observation) -> list[Seen]:
         """What this observation's lists show."""
         found: list[Seen] = []
         for channel, value in self.channels.of(observation):

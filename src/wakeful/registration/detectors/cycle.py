@@ -12,9 +12,10 @@ from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation
 from wakeful.facts.values import Field
 from wakeful.registration.channels import Channels, named
+from wakeful.registration.cycle_clock import CycleClock, Place
 from wakeful.registration.detectors.base import CHANNELS, Seen, Settings, settings_of, short
 from wakeful.registration.learned_band import Band
-from wakeful.registration.plain import Scalar, elapsed_s, number, scalar
+from wakeful.registration.plain import number
 
 MOST = 6.0
 """A single measure counts at most so many deviations towards a cycle's unlikeness."""
@@ -47,9 +48,7 @@ class Sum(msgspec.Struct):
 class Cycles(msgspec.Struct):
     """The cycle under way, and what is usual. ``usual``: a band by measure (``duration``, ``<channel> mean`` …)."""
 
-    value: Scalar | None = None
-    start_ns: int = 0
-    whole: bool = False
+    place: Place = msgspec.field(default_factory=Place)
     told: bool = False
     sums: dict[str, Sum] = {}
     usual: dict[str, Band] = {}
@@ -66,22 +65,20 @@ class CycleDetector:
         if not self._settings.cycle:
             raise DomainError(f"detect {spec.kind!r} (cycle): give settings.cycle, the channel whose changes begin a cycle")
         self.channels = Channels((*spec.channels, self._settings.cycle))
-        self._of_cycle = Channels((self._settings.cycle,))
+        self._clock = CycleClock(self._settings.cycle)
         self._measured = Channels(spec.channels)
         self._cycles = Cycles()
 
     def observe(self, observation: Observation) -> Iterable[Seen]:
         """Add to the cycle under way; at its end, or when it is overdue, say how unlike it is."""
         cycles, found = self._cycles, []
-        for _, value in self._of_cycle.of(observation):
-            now = scalar(value)
-            if now is not None and now != cycles.value:
-                if cycles.value is not None and cycles.whole and (seen := self._end(observation)):
-                    found.append(seen)
-                cycles.whole = cycles.value is not None
-                cycles.value, cycles.start_ns, cycles.told, cycles.sums = now, observation.at_ns, False, {}
+        place = self._clock.observe(observation)
+        if place is not cycles.place:
+            if cycles.place.number > 1 and (seen := self._end(cycles.place, observation)):
+                found.append(seen)
+            cycles.place, cycles.told, cycles.sums = place, False, {}
         self._add(observation)
-        if self._settings.overdue and cycles.whole and not cycles.told and (seen := self._overdue(observation)):
+        if self._settings.overdue and place.number > 1 and not cycles.told and (seen := self._overdue(observation)):
             found.append(seen)
         return found
 
@@ -92,6 +89,7 @@ class CycleDetector:
     def restore(self, state: bytes) -> None:
         """Take up what ``state`` gave out."""
         self._cycles = msgspec.msgpack.decode(state, type=Cycles)
+        self._clock.place = self._cycles.place
 
     def _add(self, observation: Observation) -> None:
         sums = self._cycles.sums
@@ -110,21 +108,19 @@ class CycleDetector:
 
     def _overdue(self, observation: Observation) -> Found | None:
         usual = self._cycles.usual.get("duration")
-        gone_s = elapsed_s(observation.at_ns, self._cycles.start_ns)
-        if usual is None or not usual.learned or gone_s == float("inf"):
+        gone_s = self._cycles.place.gone_s
+        if usual is None or not usual.learned:
             return None
         score = usual.score(gone_s, 0.05 * usual.middle)
         if score <= self._settings.width:
             return None
         self._cycles.told = True
-        says = f"cycle {self._cycles.value} goes on for {gone_s:.3g} s, usually {usual.middle:.3g} s"
+        says = f"cycle {self._cycles.place.value} goes on for {gone_s:.3g} s, usually {usual.middle:.3g} s"
         return self._found("duration", score, gone_s, usual.middle, says, True, observation)
 
-    def _end(self, observation: Observation) -> Found | None:
+    def _end(self, place: Place, observation: Observation) -> Found | None:
         cycles, settings = self._cycles, self._settings
-        duration_s = elapsed_s(observation.at_ns, cycles.start_ns)
-        if duration_s == float("inf"):
-            return None
+        duration_s = place.gone_s
         measures = {"duration": duration_s}
         for name, so_far in cycles.sums.items():
             measures[f"{name} mean"] = so_far.total / so_far.count
@@ -146,14 +142,14 @@ class CycleDetector:
         if not odd or cycles.told:
             return None
         worst = max(scores, key=lambda name: abs(scores[name]))
-        says = f"cycle {cycles.value} is unlike those before it, most in {worst} ({scores[worst]:+.1f} deviations)"
+        says = f"cycle {place.value} is unlike those before it, most in {worst} ({scores[worst]:+.1f} deviations)"
         return self._found(worst, score, duration_s, usual_s, says, False, observation)
 
     def _found(
         self, worst: str, score: float, duration_s: float, usual_s: float, says: str, overdue: bool, observation: Observation
     ) -> Found:
         fields: dict[str, Field] = {
-            "cycle": self._cycles.value,
+            "cycle": self._cycles.place.value,
             "deviation": short(min(score, 1e6)),
             "worst": worst,
             "duration_s": short(duration_s),
