@@ -40,7 +40,7 @@ def test_every_treatment_keeps_its_contract_on_any_event(
 ) -> None:
     heard = tuple(
         Evidence(id=f"h{at}", topic=topic, key=key, at_ns=to_ns(10_003.0), value=msgspec.Raw(value))
-        for at, (topic, key) in enumerate((("heat", "arm/temperature_3"), ("reading", "J3"), ("reading", "cup 1")))
+        for at, (topic, key) in enumerate((("heat", "arm/temperature_J3"), ("reading", "J3"), ("reading", "cup 1")))
     )
     known = Script(prior=prior, episodes=remembered, evidence=heard, now_s=10_000.0)
     check_treatment(treatment, event, domain, known, auto_steps=3)

@@ -8,6 +8,7 @@ from wakeful.contracts.treatment import Mind
 from wakeful.facts.asking import Episode
 from wakeful.facts.domain import Fault
 from wakeful.facts.events import Event
+from wakeful.facts.evidence import Evidence
 from wakeful.facts.results import Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
@@ -105,7 +106,7 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
             break
         asked.append(check.symptom)
         for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
-            _take_in(check.symptom, offer, evidence.at_ns, reading(evidence, _field(check.symptom)), known, heard)
+            _take_in(network, offer, evidence, known, heard)
         await mind.work(1)
         # while it waited the robot may have shown more
         recent = await _recent(event, mind, settings)
@@ -128,28 +129,27 @@ def _most_telling(
 ) -> tuple[Check | None, Askable | None]:
     """The open symptom with the greatest expected gain, of those that evidence can be had for if there are any."""
     checks = []
-    for symptom in network.symptoms:
-        if symptom in known or symptom in asked:
-            continue
-        offered = about(offers, _field(symptom)) if split(symptom) else ()
-        gain = significant(network.gain(symptom, known), 4)
+    unknown = [symptom for symptom in network.symptoms if symptom not in known and symptom not in asked]
+    for symptom, (chance, gain) in network.look_for(unknown, known).items():
         if gain >= settings.least_gain_bits:
+            offered = about(offers, _field(symptom)) if split(symptom) else ()
             address = offered[0].address if offered else ""
-            found = Check(
-                symptom=symptom, gain_bits=gain, chance=significant(network.chance(symptom, known), 4), evidence=address
-            )
+            found = Check(symptom=symptom, gain_bits=significant(gain, 4), chance=significant(chance, 4), evidence=address)
             checks.append((found, offered[0] if offered else None))
     return min(checks, key=lambda each: (each[1] is None, -each[0].gain_bits, each[0].symptom), default=(None, None))
 
 
-def _take_in(symptom: str, offer: Askable, at_ns: int, value: object, known: dict[str, bool], heard: list[str]) -> None:
-    condition = split(symptom)
-    if condition is None or not isinstance(value, bool | int | float | str):
-        return
-    shown = holds(condition, {condition[0]: value})
-    if shown is not None:
-        known[symptom] = shown
-        heard.append(f"evidence {offer.address} at {at_ns}: {worded(condition[0], value)}")
+def _take_in(network: Network, offer: Askable, evidence: Evidence, known: dict[str, bool], heard: list[str]) -> None:
+    """Every symptom that the evidence tells of, not only the one that it was asked for."""
+    for symptom in network.symptoms:
+        condition = split(symptom)
+        if symptom in known or condition is None or not about((offer,), condition[0]):
+            continue
+        value = reading(evidence, condition[0])
+        shown = holds(condition, {condition[0]: value})
+        if shown is not None:
+            known[symptom] = shown
+            heard.append(f"evidence {offer.address} at {evidence.at_ns}: {worded(condition[0], value)}")
 
 
 def _field(symptom: str) -> str:

@@ -7,10 +7,10 @@ faults. Findings: symptom -> seen (True) or looked for and not there (False); a 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
-from math import log2, prod
+from typing import NamedTuple
 
-import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from wakeful.facts.domain import Fault
 
@@ -18,78 +18,115 @@ from wakeful.facts.domain import Fault
 POSITIVES = 10
 
 Findings = Mapping[str, bool]
+Floats = NDArray[np.float64]
 
 
-class Network(msgspec.Struct, frozen=True):
-    """Faults with their priors, and the probability that each causes each symptom. ``leak``: a symptom without any fault."""
+class Weighed(NamedTuple):
+    """P(findings), P(findings, no fault), and P(findings, fault) of each fault, shape (n,)."""
 
-    faults: tuple[Fault, ...]
-    leak: float = 0.02
+    whole: float
+    none: float
+    on: Floats
 
-    @property
-    def symptoms(self) -> tuple[str, ...]:
-        """All symptoms, in the order of the fault table."""
-        return tuple(dict.fromkeys(symptom for fault in self.faults for symptom in fault.causes))
 
-    def likelihood(self, findings: Findings, given: Mapping[str, bool] | None = None) -> float:
-        """P(findings, given faults), the faults in ``given`` being held on or off.
+class Network:
+    """Faults with their priors, and the probability that each causes each symptom.
 
-        The sum over subsets of the positive findings turns "at least one cause fired" into products over independent faults.
-        """
-        known = given or {}
-        absent = [symptom for symptom, seen in findings.items() if not seen]
-        present = self._telling([symptom for symptom, seen in findings.items() if seen])
-        total = 0.0
-        for size in range(len(present) + 1):
-            for chosen in combinations(present, size):
-                none_of = (*absent, *chosen)
-                term = (1.0 - self.leak) ** len(none_of)
-                for fault in self.faults:
-                    silent = prod(1.0 - _chance(fault.causes.get(symptom, 0.0)) for symptom in none_of)
-                    prior = _chance(fault.prior)
-                    held = known.get(fault.name)
-                    term *= prior * silent * (held is not False) + (1.0 - prior) * (held is not True)
-                total += term if size % 2 == 0 else -term
-        return max(total, 0.0)
+    Args:
+        faults: n rows of a domain's fault table.
+        leak: the probability that a symptom appears without any of the faults.
+    """
+
+    def __init__(self, faults: Sequence[Fault], leak: float = 0.02) -> None:
+        self.faults = tuple(faults)
+        self.symptoms = tuple(dict.fromkeys(symptom for fault in faults for symptom in fault.causes))
+        self._leak = _chance(leak)
+        self._prior = np.array([_chance(fault.prior) for fault in faults], dtype=np.float64)
+        #: of each symptom, the probability that each fault does not bring it about
+        self._silent = {
+            symptom: np.array([1.0 - _chance(fault.causes.get(symptom, 0.0)) for fault in faults]) for symptom in self.symptoms
+        }
 
     def posterior(self, findings: Findings) -> dict[str, float]:
         """P(fault present | findings) of each fault; the priors where the findings are impossible."""
-        whole = self.likelihood(findings)
-        if whole <= 0.0:
-            return {fault.name: _chance(fault.prior) for fault in self.faults}
-        return {fault.name: min(self.likelihood(findings, {fault.name: True}) / whole, 1.0) for fault in self.faults}
+        weighed = self._weigh(findings)
+        shares = self._prior if weighed.whole <= 0.0 else np.minimum(weighed.on / weighed.whole, 1.0)
+        return {fault.name: float(share) for fault, share in zip(self.faults, shares, strict=True)}
 
     def unexplained(self, findings: Findings) -> float:
         """P(none of the faults is present | findings): what the table does not know, or a leak."""
-        whole = self.likelihood(findings)
-        if whole <= 0.0:
-            return 1.0
-        return min(self.likelihood(findings, {fault.name: False for fault in self.faults}) / whole, 1.0)
+        weighed = self._weigh(findings)
+        return min(weighed.none / weighed.whole, 1.0) if weighed.whole > 0.0 else 1.0
 
     def chance(self, symptom: str, findings: Findings) -> float:
         """P(symptom would be seen | findings)."""
-        whole = self.likelihood(findings)
-        return min(self.likelihood({**findings, symptom: True}) / whole, 1.0) if whole > 0.0 else 0.0
+        return self.look_for((symptom,), findings)[symptom][0]
 
-    def gain(self, symptom: str, findings: Findings) -> float:
-        """Expected information gain of looking for a symptom, in bits: the sum over faults of I(fault; symptom | findings)."""
-        seen = self.chance(symptom, findings)
-        left = seen * self._entropy({**findings, symptom: True}) + (1.0 - seen) * self._entropy({**findings, symptom: False})
-        return max(self._entropy(findings) - left, 0.0)
+    def look_for(self, symptoms: Sequence[str], findings: Findings) -> dict[str, tuple[float, float]]:
+        """What looking for each of these unknown symptoms is worth.
 
-    def _entropy(self, findings: Findings) -> float:
-        return sum(_bits(share) for share in self.posterior(findings).values())
+        Returns:
+            Of each symptom P(it would be seen | findings), and the expected information gain of looking, in bits: the sum over
+            faults of I(fault; symptom | findings).
+        """
+        terms, signs = self._terms(findings)
+        now = self._sum(terms, signs)
+        found: dict[str, tuple[float, float]] = {}
+        for symptom in symptoms:
+            if now.whole <= 0.0:
+                found[symptom] = (0.0, 0.0)
+                continue
+            # seen and not seen sum to what is known now, so only one of the two has to be worked out
+            missing = self._sum(terms * self._silent[symptom], signs * (1.0 - self._leak))
+            absent = min(max(missing.whole / now.whole, 0.0), 1.0)
+            gain = _bits(now.on / now.whole)
+            if absent > 0.0:
+                gain -= absent * _bits(missing.on / missing.whole)
+            if absent < 1.0:
+                gain -= (1.0 - absent) * _bits((now.on - missing.on) / (now.whole - missing.whole))
+            found[symptom] = (1.0 - absent, max(gain, 0.0))
+        return found
+
+    def _weigh(self, findings: Findings) -> Weighed:
+        return self._sum(*self._terms(findings))
+
+    def _terms(self, findings: Findings) -> tuple[Floats, Floats]:
+        """One row for each subset of the positive findings, shape (2^k, n): P(fault i present, and silent on the subset and on
+        all negative findings); and each row's sign, with what the leak adds, shape (2^k,).
+
+        The alternating sum over subsets turns "at least one cause fired" into products over independent faults.
+        """
+        known = {symptom: seen for symptom, seen in findings.items() if symptom in self._silent}
+        rows = self._prior[np.newaxis, :]
+        signs = np.ones(1)
+        for symptom in (symptom for symptom, seen in known.items() if not seen):
+            rows, signs = rows * self._silent[symptom], signs * (1.0 - self._leak)
+        for symptom in self._telling([symptom for symptom, seen in known.items() if seen]):
+            rows = np.concatenate((rows, rows * self._silent[symptom]))
+            signs = np.concatenate((signs, -signs * (1.0 - self._leak)))
+        return rows, signs
+
+    def _sum(self, rows: Floats, signs: Floats) -> Weighed:
+        either = rows + (1.0 - self._prior)
+        # products of all but one, without dividing: a certain fault that would show makes a factor zero
+        ones = np.ones((len(rows), 1))
+        before = np.cumprod(np.concatenate((ones, either), axis=1), axis=1)
+        after = np.cumprod(np.concatenate((ones, either[:, ::-1]), axis=1), axis=1)[:, ::-1]
+        on = signs @ (rows * before[:, :-1] * after[:, 1:])
+        none = float(signs.sum() * np.prod(1.0 - self._prior))
+        return Weighed(max(float(signs @ before[:, -1]), 0.0), max(none, 0.0), np.maximum(on, 0.0))
 
     def _telling(self, present: Sequence[str]) -> list[str]:
         if len(present) <= POSITIVES:
             return list(present)
-        strongest = {s: max(_chance(fault.causes.get(s, 0.0)) for fault in self.faults) for s in present}
-        return sorted(sorted(present, key=lambda s: -strongest[s])[:POSITIVES])
+        return sorted(sorted(present, key=lambda s: float(self._silent[s].min()))[:POSITIVES])
 
 
 def _chance(probability: float) -> float:
     return min(max(probability, 0.0), 1.0)
 
 
-def _bits(share: float) -> float:
-    return 0.0 if share <= 0.0 or share >= 1.0 else -share * log2(share) - (1.0 - share) * log2(1.0 - share)
+def _bits(shares: Floats) -> float:
+    """The summed entropies of these probabilities."""
+    inside = shares[(shares > 0.0) & (shares < 1.0)]
+    return float(-(inside * np.log2(inside) + (1.0 - inside) * np.log2(1.0 - inside)).sum())
