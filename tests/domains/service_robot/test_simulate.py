@@ -12,8 +12,9 @@ from wakeful.contracts.domain import Domain
 from wakeful.domains import load
 from wakeful.domains.service_robot.simulate import FIRST_TURN_S, START_NS, simulate
 from wakeful.domains.service_robot.world import CATEGORIES, CONTEXTS, HISTORIES, LOCATIONS, PLACES, ROUTES, STATES
-from wakeful.facts.events import Observation
+from wakeful.facts.events import Observation, Relation, event_id
 from wakeful.facts.time import to_ns
+from wakeful.registration import SpecRegistrar
 
 LENGTH = 120_000
 
@@ -67,12 +68,12 @@ def test_events_are_distributed_as_in_experiment_1(seen: list[tuple[Observation,
 
 
 def test_history_shows_in_position_and_identity_alone(seen: list[tuple[Observation, Found | Shown | Offered]]) -> None:
-    position: dict[str, object] = {}
+    position: dict[str, tuple[str, object]] = {}
     histories: Counter[str] = Counter()
     for _, found in seen:
         if isinstance(found, Found):
             before = position.get(found.entity)
-            now = found.fields["position"]
+            now = (found.zone, found.fields["position"])
             histories["none" if before is None else "unchanged" if before == now else "moved"] += 1
             position[found.entity] = now
             assert "history" not in found.fields
@@ -136,3 +137,36 @@ def test_the_route_graph_joins_all_places(domain: Domain) -> None:
             reached.add(place)
             ahead.append(place)
     assert reached == set(PLACES)
+
+
+def test_the_registrar_computes_the_history_that_the_world_had(tour: list[Observation], domain: Domain) -> None:
+    registrar = SpecRegistrar(domain, "d")
+    place: dict[str, tuple[str, object]] = {}
+    counted: Counter[tuple[str, Relation]] = Counter()
+    for observation in tour:
+        for event in registrar.observe(observation).events:
+            before = place.get(event.entity)
+            now = (event.context.zone, event.fields["position"])
+            history = "none" if before is None else "unchanged" if before == now else "moved"
+            counted[history, event.relation] += 1
+            place[event.entity] = now
+    assert {pair for pair, count in counted.items() if count > 0.002 * counted.total()} == {
+        ("none", Relation.NEW),
+        ("moved", Relation.MOVED),
+        ("unchanged", Relation.CHANGED),
+    }
+
+
+def test_an_outcome_finds_the_event_that_it_is_about_and_a_reading_its_device(tour: list[Observation], domain: Domain) -> None:
+    registrar = SpecRegistrar(domain, "d")
+    registered = [registrar.observe(observation) for observation in tour]
+    events = {
+        event_id(event.robot, "d", event.position, event.kind, event.ordinal): event
+        for each in registered
+        for event in each.events
+    }
+    outcomes = [outcome for each in registered for outcome in each.outcomes]
+    assert all(events[outcome.event].entity == outcome.entity for outcome in outcomes)
+    assert all(events[outcome.event].at_ns < outcome.at_ns for outcome in outcomes)
+    readings = [evidence for each in registered for evidence in each.evidence]
+    assert {evidence.topic for evidence in readings} == {"reading"}

@@ -89,7 +89,7 @@ class Sightings(Remembering[Objects]):
             "route": now.route,
             "load": now.load,
             "context": context or "none",
-            "position": f"{now.place} {now.x:.2f} {now.y:.2f}",
+            "position": (now.x, now.y),
         }
         return Found(
             entity=identity,

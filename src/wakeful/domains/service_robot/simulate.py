@@ -33,6 +33,9 @@ START_NS = 1_767_596_400 * NS_PER_S
 """Monday 5 January 2026, 07:00 UTC: the shift begins."""
 
 SPEED_M_S = 1.0
+REACH_M = 2.5
+"""How far from the middle of its place a thing may stand, along each axis."""
+
 MOST_AT_A_PLACE = 7
 """When more stand at a place, somebody has carried the oldest away."""
 
@@ -54,7 +57,8 @@ Body = dict[str, Value]
 def simulate(seed: int) -> Iterator[Observation]:
     """An endless tour. The same seed gives the same observations, to the bit.
 
-    Topics: ``pose`` (where the robot is, once a second), ``sighting`` (one object, once a second while it is in view),
+    Topics: ``pose`` (where the robot is, once a second), ``sighting`` (one object, once a second while it is in view;
+    its ``x`` and ``y`` are metres from the middle of its place),
     ``reading`` (what a device measured, later) and ``report`` (what an encounter turned out to need, 5 to 60 s later).
     Between 40 and 60 minutes in, and every one to two hours after that, the environment turns the outcomes of one signature
     round, or back.
@@ -172,11 +176,10 @@ class _Tour:
 
     def _put(self, thing: Thing) -> None:
         """Stand a thing somewhere at this place, at least a metre from where it was."""
-        _, x, y = PLACES[self._place]
         before = (thing.x, thing.y)
         while True:
-            thing.x = round(x + self._random.uniform(-2.5, 2.5), 2)
-            thing.y = round(y + self._random.uniform(-2.5, 2.5), 2)
+            thing.x = round(self._random.uniform(-REACH_M, REACH_M), 2)
+            thing.y = round(self._random.uniform(-REACH_M, REACH_M), 2)
             if hypot(thing.x - before[0], thing.y - before[1]) >= 1.0:
                 break
         thing.place = self._place

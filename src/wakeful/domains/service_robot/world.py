@@ -39,7 +39,7 @@ PLACES: dict[str, tuple[str, float, float]] = {
 
 
 class Thing(msgspec.Struct, kw_only=True):
-    """An object as it stands in the building."""
+    """An object as it stands in the building, ``x`` and ``y`` metres from the middle of its place."""
 
     identity: str
     category: str
