@@ -12,7 +12,7 @@ from tests.journal.builder import Book
 def test_the_story_names_candidates_gate_requests_result_and_what_happened_since(
     wakeful: Wakeful, book: Book, journal: Path
 ) -> None:
-    told = wakeful("why", book.event_of(1)[:8], "--journal", journal).stdout
+    told = " ".join(wakeful("why", book.event_of(1)[:8], "--journal", journal).stdout.split())
     for expected in (
         "joint_current of joint_3",
         "planning",
@@ -21,9 +21,9 @@ def test_the_story_names_candidates_gate_requests_result_and_what_happened_since
         "is preempted by process 2 (grip_lost of gripper)",
         "Result of diagnosis, confidence 0.70",
         "joint 3 runs warm",
-        "the world showed protective_stop of the robot",
+        "the world showed protective_stop; the forecast was none",
         "contradicted",
-        "Reopened: process 4 thinks again about what process 1 concluded",
+        "Reopening: process 4 thinks again about what process 1 concluded",
         "diagnosis 0.900 → 0.600: contradicted",
     ):
         assert expected in told, expected
@@ -36,7 +36,7 @@ def test_an_automatic_decision_names_its_model_and_the_experience_it_rests_on(
     told = wakeful("why", automatic, "--journal", journal).stdout
     assert "diagnosis, automatically; model version 1" in told
     assert "nearest validated experience" in told
-    assert "the window passed and the world showed none: supported" in told
+    assert "no outcome came within 30.0 s, which counts as none; the forecast was none: supported" in told
 
 
 def test_an_open_process_says_that_it_still_waits(wakeful: Wakeful, journal: Path) -> None:

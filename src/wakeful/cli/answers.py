@@ -14,14 +14,14 @@ _LONGEST = 160
 
 
 def answer_words(answered: Answered) -> str:
-    """One answer in words; empty for an empty one."""
+    """One answer in words; empty for an empty one. A choice of treatment is told without its reasons: the decision has them."""
     value = _plain(answered)
     if value is None or value == []:
         return "nothing like it" if answered.kind is Kind.RECALL else ""
     if answered.kind is Kind.RECALL and isinstance(value, list):
         return _episodes(value)
     if isinstance(value, dict) and "choice" in value:
-        return _reply(value)
+        return _reply(value, reasons=answered.key != "treatment")
     if isinstance(value, dict) and isinstance(value.get("says"), str):
         return plain(f"“{value['says']}”", _LONGEST)
     if answered.kind is Kind.EVIDENCE and isinstance(value, list):
@@ -54,7 +54,7 @@ def _episodes(episodes: list[Value]) -> str:
     )
 
 
-def _reply(reply: dict[str, Value]) -> str:
+def _reply(reply: dict[str, Value], reasons: bool) -> str:
     confidence = reply.get("confidence")
     sure = f", confidence {confidence:.2f}" if isinstance(confidence, int | float) else ""
     label, probability = reply.get("forecast"), reply.get("forecast_probability")
@@ -62,5 +62,5 @@ def _reply(reply: dict[str, Value]) -> str:
     if label:
         foretold = f", expecting {label}" + (f" {percent(probability)}" if isinstance(probability, int | float) else "")
     because = reply.get("because")
-    reasons = f", because {'; '.join(str(each) for each in because)}" if isinstance(because, list) and because else ""
-    return plain(f"{reply['choice']}{sure}{foretold}{reasons}")
+    why = f", because {'; '.join(str(each) for each in because)}" if reasons and isinstance(because, list) and because else ""
+    return plain(f"{reply['choice']}{sure}{foretold}{why}")

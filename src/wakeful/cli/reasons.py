@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from wakeful.cli.terminal import heading, paragraph, say
+from wakeful.cli.weighed import CannotRecompute, weighed
 from wakeful.cli.words import bar, count, plain
 from wakeful.facts.decisions import Decision, Gate
+from wakeful.journal.sqlite import SqliteJournal
 from wakeful.journal.story import ProcessStory, Remembered
 from wakeful.journal.views import History, Story
 
@@ -12,7 +14,7 @@ _MODE = {"auto": "automatically", "delib": "with deliberation", "fallback": "in 
 _SHOWN = 5
 
 
-def print_decisions(read: History, told: Story, process: ProcessStory) -> None:
+def print_decisions(journal: SqliteJournal, read: History, told: Story, process: ProcessStory) -> None:
     """Print the first decision in full and what later ones changed."""
     heading("Decision")
     if not process.decisions:
@@ -28,12 +30,29 @@ def print_decisions(read: History, told: Story, process: ProcessStory) -> None:
     if len(first.candidates) > _SHOWN:
         rest = sum(candidate.probability for candidate in first.candidates[_SHOWN:])
         say(f"    {count(len(first.candidates) - _SHOWN, 'other').ljust(18)} {rest:5.3f}")
+    _weights(journal, read, told, first)
     _gate(first)
     for reason in first.reasons:
         paragraph(f"· {reason}", 4, 2)
     _rests_on(told, first)
     for earlier, later in zip(process.decisions, process.decisions[1:], strict=False):
         _change(earlier, later)
+
+
+def _weights(journal: SqliteJournal, read: History, told: Story, decision: Decision) -> None:
+    """What weighed most, where a model decided."""
+    if not decision.model:
+        return
+    try:
+        found = weighed(journal, read, told.event, decision)
+    except CannotRecompute as error:
+        paragraph(f"what weighed most cannot be recomputed: {error}")
+        return
+    told_of = [
+        f"{each.field} = {plain(each.value)} ({each.treatment:+.2f})" for each in found[:_SHOWN] if abs(each.treatment) >= 0.005
+    ]
+    if told_of:
+        paragraph(f"for {decision.treatment} spoke, against what is typical: {', '.join(told_of)}", 2, 2)
 
 
 def _model(read: History, decision: Decision) -> str:
@@ -45,7 +64,9 @@ def _model(read: History, decision: Decision) -> str:
     while version in cards and str(version) not in line:
         line.append(str(version))
         version = cards[version].base
-    trained = f", trained on {count(decision.watermark, 'experience')}" if decision.watermark else ""
+    if len(line) > _SHOWN:
+        line = [*line[:2], "…", line[-1]]
+    trained = f", learned from {count(decision.watermark, 'experience')}" if decision.watermark else ""
     return f"model version {' ← '.join(line) if line else decision.model}{trained}"
 
 
@@ -58,7 +79,12 @@ def _gate(decision: Decision) -> None:
 def gate_lines(gate: Gate) -> list[tuple[str, bool]]:
     """The numbers that were compared, in words, each with whether it allowed automation."""
     return [
-        (f"confidence {gate.confidence:.3f} reaches the threshold {gate.threshold:.3f}", gate.confidence >= gate.threshold),
+        (
+            f"confidence {gate.confidence:.3f} reaches the threshold {gate.threshold:.3f}"
+            if gate.threshold <= 1.0
+            else f"confidence {gate.confidence:.3f} reaches the threshold, which no confidence does yet",
+            gate.confidence >= gate.threshold,
+        ),
         (f"novelty {gate.novelty:.3f} stays within {gate.novelty_limit:.3f}", gate.novelty <= gate.novelty_limit),
         (f"trust {gate.trust:.3f} reaches {gate.trust_limit:.3f}", gate.trust >= gate.trust_limit),
     ]

@@ -114,7 +114,7 @@ def run_command(
     limit = events if events is not None else SIMULATED_EVENTS if found.endless else None
     path = journal or default_journal(found)
     began_s = time.monotonic()
-    with open_journal(path) as opened, stoppable() as stop:
+    with stoppable() as stop, open_journal(path) as opened:
         _check_domain(opened, found, path)
         thinker = _reasoner(reasoner, found, opened)
         before = summary(opened, strange=0) if opened.last else None

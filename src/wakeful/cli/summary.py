@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from wakeful.cli.terminal import heading, paragraph, say
+from wakeful.cli.terminal import heading, paragraph, row, say
 from wakeful.cli.words import blocks, count, duration, instant, percent, plain
 from wakeful.journal.views import Share, StrangeEpisode, Summary
-
-_LABEL = 18
 
 
 def print_summary(told: Summary, elapsed_s: float, events_per_second: float) -> None:
@@ -17,7 +15,7 @@ def print_summary(told: Summary, elapsed_s: float, events_per_second: float) -> 
             _episode(episode)
     heading(f"Summary of {plain(told.source)} ({told.domain})")
     print_state(told)
-    _row(
+    row(
         "throughput",
         f"{events_per_second:,.0f} events a second ({duration(told.duration_s)} of source time in {duration(elapsed_s)})",
     )
@@ -25,36 +23,36 @@ def print_summary(told: Summary, elapsed_s: float, events_per_second: float) -> 
 
 def print_state(told: Summary) -> None:
     """The counts of a summary, one a line."""
-    _row(
+    row(
         "received",
         f"{told.received:,} = {told.admitted:,} admitted + {told.duplicate:,} duplicate + {told.refused:,} refused",
     )
     for reason, number in list(told.refused_because.items())[:3]:
-        _row("", f"refused {number:,}: {plain(reason, 100)}")
-    _row(
+        row("", f"refused {number:,}: {plain(reason, 100)}")
+    row(
         "coverage",
         f"{percent(told.coverage)} of admitted events" + (f" ({told.uncovered:,} uncovered)" if told.uncovered else ""),
     )
-    _row(
+    row(
         "completion", f"{percent(told.completion)} ({_named(told.completions)})" if told.completions else percent(told.completion)
     )
-    _row("treatments", _named(told.treatments))
-    _row("modes", _named(told.modes, told.admitted))
-    _row("now", f"{told.waiting:,} waiting, {told.suspended:,} suspended" + (f", {told.debt:,} in debt" if told.debt else ""))
-    _row(
+    row("treatments", _named(told.treatments))
+    row("modes", _named(told.modes, told.admitted))
+    row("now", f"{told.waiting:,} waiting, {told.suspended:,} suspended" + (f", {told.debt:,} in debt" if told.debt else ""))
+    row(
         "first treatment",
         ", ".join(f"{name} events within {duration(seconds)}" for name, seconds in sorted(told.first_treatment_s.items()))
         + (f"; {count(told.expired_waits, 'wait')} expired" if told.expired_waits else ""),
     )
-    _row(
+    row(
         "outcomes",
         f"{told.outcomes_witnessed:,} witnessed, {told.outcomes_matched:,} matched to a result, "
         f"{count(told.windows_closed, 'window')} closed over none",
     )
-    _row("verdicts", _named(told.verdicts))
+    row("verdicts", _named(told.verdicts))
     _accuracy(told)
-    _row("reasoner", f"{count(told.reasoner_calls, 'call')}" + (f", {told.cost_usd:.4f} USD" if told.cost_usd else ""))
-    _row(
+    row("reasoner", f"{count(told.reasoner_calls, 'call')}" + (f", {told.cost_usd:.4f} USD" if told.cost_usd else ""))
+    row(
         "learning",
         f"{count(told.experiences, 'experience')}, {count(told.models_published, 'model version')} published"
         + (f", {told.models_rejected} rejected" if told.models_rejected else "")
@@ -79,39 +77,41 @@ def _ending(episode: StrangeEpisode) -> str:
     if not episode.verdict:
         return f"{episode.end or episode.state}; the world has not shown yet whether it was right"
     after = f" {duration(episode.judged_after_s)} later" if episode.judged_after_s is not None else ""
+    shown = "the world showed" if episode.judged_after_s is not None else "nothing came in its window, which counts as"
+    shown = f"{shown} {plain(episode.label)}"
     given = f", to which it had given {percent(episode.label_probability)}" if episode.label_probability is not None else ""
     reopened = "; reopened" if episode.reopened else ""
     if episode.verdict == "undecided":
         return f"undecided: it forecast {plain(episode.predicted)}, and the world did not show it either way{reopened}"
     if episode.verdict == "contradicted":
-        shown = plain(episode.label)
-        return f"the world showed {shown}{after}{given}; it had forecast {plain(episode.predicted)}: contradicted{reopened}"
-    return f"the world showed {plain(episode.label)}{after}{given}: supported{reopened}"
+        return f"{shown}{after}{given}; it had forecast {plain(episode.predicted)}: contradicted{reopened}"
+    return f"{shown}{after}{given}: supported{reopened}"
 
 
 def _accuracy(told: Summary) -> None:
     accuracy = told.accuracy
     if accuracy.treatment.of:
-        _row("treatment right", _share(accuracy.treatment))
+        row("treatment right", _share(accuracy.treatment))
     if accuracy.result.of:
         base = f"; always “{plain(accuracy.base_label)}” would be right in {percent(accuracy.base_rate.fraction)}"
-        _row("result right", _share(accuracy.result) + base)
+        row("result right", _share(accuracy.result) + base)
     if accuracy.joint.of:
-        _row("both right", _share(accuracy.joint))
+        row("both right", _share(accuracy.joint))
 
 
 def _curve(told: Summary) -> None:
     if len(told.curve) < 2:
         return
+    heading("Over time (each block a tenth of the events)")
     automatic: list[float | None] = [stretch.automatic for stretch in told.curve]
     right = [stretch.result.fraction for stretch in told.curve]
     known = [share for share in right if share is not None]
-    _row(
+    row(
         "automatic share",
         f"{blocks(automatic)}  {percent(automatic[0], 0)} in the first tenth, {percent(automatic[-1], 0)} in the last",
     )
     if known:
-        _row("result right", f"{blocks(right)}  {percent(known[0], 0)} in the first tenth, {percent(known[-1], 0)} in the last")
+        row("result right", f"{blocks(right)}  {percent(known[0], 0)} in the first tenth, {percent(known[-1], 0)} in the last")
 
 
 def _share(share: Share) -> str:
@@ -123,8 +123,3 @@ def _named(counts: dict[str, int], of: int = 0) -> str:
         ", ".join(f"{number:,} {plain(name)}" + (f" ({percent(number / of)})" if of else "") for name, number in counts.items())
         or "none"
     )
-
-
-def _row(label: str, text: str) -> None:
-    if text:
-        paragraph(text, 2, _LABEL, label.ljust(_LABEL))

@@ -51,6 +51,12 @@ def paragraph(text: str, indent: int = 2, hanging: int = 0, label: str = "") -> 
         say(line)
 
 
+def row(label: str, text: str, width: int = 17) -> None:
+    """A labelled row of a list of facts; none where there is nothing to say."""
+    if text:
+        paragraph(text, 2, width, label.ljust(width))
+
+
 def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = ()) -> None:
     """Print a table: aligned and cut to the terminal's width, or with tabs and nothing cut where it is piped.
 

@@ -12,8 +12,8 @@ from wakeful.journal.views import History, ProcessPast, waits_for
 _ASKS: dict[Kind, str] = {
     Kind.EVIDENCE: "evidence {}",
     Kind.RECALL: "memory of {}",
-    Kind.DELIBERATE: "the reasoner's answer ({})",
-    Kind.ASK: "a person's answer ({})",
+    Kind.DELIBERATE: "the reasoner's answer on {}",
+    Kind.ASK: "a person's answer: {}",
     Kind.TREAT: "its child's {}",
     Kind.CALL: "the call {}",
     Kind.SLEEP: "time to pass",

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 from statistics import median
 
+from wakeful.facts.experience import Verdict
 from wakeful.facts.time import NS_PER_S, to_ns, to_s
 from wakeful.journal.history import History, history
 from wakeful.journal.readable import Readable, View
@@ -80,12 +81,17 @@ def stats_of(read: History, within_s: float | None = None) -> Stats:
     window_s = _own_window_s(read) if within_s is None else within_s
     events = [past.event for past in read.events.values()]
     instants = sorted(event.stamp.source_ns for event in events)
-    shown = sorted((outcome.at_ns, outcome.label, outcome.id) for outcome in read.outcomes.values() if outcome.origin == "world")
+    quiet = _quiet_labels(read)
+    shown = sorted(
+        (outcome.at_ns, outcome.label, outcome.id)
+        for outcome in read.outcomes.values()
+        if outcome.origin == "world" and outcome.label not in quiet
+    )
     ends = [*instants, *(at_ns for at_ns, _, _ in shown)]
     start_ns, end_ns = (min(ends), max(ends)) if ends else (0, 0)
     hours = to_s(end_ns - start_ns) / 3600
     frame = (start_ns, end_ns, to_ns(window_s))
-    observed = sum(finished.observations for finished in read.finished) or sum(event.observations for event in events)
+    observed = observations_of(read)
     foretold = _foretold(read)
     kinds = Counter(event.kind for event in events)
     rows = []
@@ -123,6 +129,28 @@ def stats_of(read: History, within_s: float | None = None) -> Stats:
             for label in labels
         ),
     )
+
+
+def observations_of(read: History) -> int:
+    """How many observations were read, each source once: as its end says, or up to its last event where it has not ended."""
+    most: dict[str, int] = {}
+    for source, number in (
+        *((finished.source, finished.observations) for finished in read.finished),
+        *((past.event.source, past.event.position + 1) for past in read.events.values()),
+    ):
+        most[source] = max(most.get(source, 0), number)
+    return sum(most.values())
+
+
+def _quiet_labels(read: History) -> set[str]:
+    """The labels that an unbroken window without any outcome means: to witness one is no incident."""
+    closed = {
+        judged.label
+        for process in read.processes.values()
+        for _, judged in process.verdicts
+        if not judged.outcome and judged.verdict is not Verdict.UNDECIDED
+    }
+    return closed or {"none"}
 
 
 def _own_window_s(read: History) -> float:

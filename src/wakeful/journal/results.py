@@ -37,5 +37,5 @@ def in_words(value: Value, digits: int = 3) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} = {in_words(entry, digits)}" for name, entry in value.items())
     if isinstance(value, list | tuple):
-        return "; ".join(in_words(entry, digits) for entry in value)
+        return ", ".join(in_words(entry, digits) for entry in value)
     return str(value)

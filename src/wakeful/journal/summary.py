@@ -11,6 +11,7 @@ from wakeful.facts.experience import Verdict
 from wakeful.facts.processes import Completion, State
 from wakeful.facts.time import to_s
 from wakeful.journal.history import EventPast, History, ProcessPast, history
+from wakeful.journal.incidents import observations_of
 from wakeful.journal.readable import Readable, View
 from wakeful.journal.strange import StrangeEpisode, strangest
 
@@ -155,7 +156,7 @@ def summary_of(read: History, strange: int = 5) -> Summary:
         models_published=sum(1 for _, published in read.published if published.card.accepted),
         models_rejected=sum(1 for _, published in read.published if not published.card.accepted),
         experiences=len(read.gained),
-        observations=sum(finished.observations for finished in read.finished),
+        observations=observations_of(read),
         duration_s=_duration_s(read),
         first_treatment_s=_first_treatment_s(roots),
         expired_waits=read.expired_waits,

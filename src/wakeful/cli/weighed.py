@@ -1,0 +1,41 @@
+"""What weighed most in a model's decision, recomputed exactly with the model version that was recorded."""
+
+from __future__ import annotations
+
+from wakeful.contracts.domain import DomainError
+from wakeful.domains import load
+from wakeful.facts.decisions import Decision
+from wakeful.facts.events import Event
+from wakeful.journal.sqlite import SqliteJournal
+from wakeful.journal.views import History
+from wakeful.learning.two_heads import TwoHeads
+from wakeful.selection.explain import Contribution, contributions
+from wakeful.selection.features import Encoder
+from wakeful.treatments.registry import Registry
+
+
+class CannotRecompute(Exception):
+    """The domain or the model version is not here as it was. The message says which."""
+
+
+def weighed(journal: SqliteJournal, read: History, event: Event, decision: Decision) -> tuple[Contribution, ...]:
+    """The effect of each of the event's fields on the decision, the greatest first; none where guidelines decided.
+
+    Raises:
+        CannotRecompute: the domain is not on this machine in the recorded version, or the model needs other features.
+    """
+    card = next((record.card for _, record in read.published if record.card.version == decision.model), None)
+    if card is None or not decision.model:
+        return ()
+    opened = read.opened[-1]
+    try:
+        spec = load(opened.domain).spec
+    except DomainError as error:
+        raise CannotRecompute(f"the domain {opened.domain} is not on this machine") from error
+    if spec.version != opened.domain_version:
+        raise CannotRecompute(f"the domain {spec.name} has version {spec.version} now, it was {opened.domain_version}")
+    encoder = Encoder(spec, spec.treatments or Registry().names())
+    predictor = TwoHeads().load(journal.blob(card.blob))
+    if predictor.typical.shape != (encoder.size,):
+        raise CannotRecompute(f"the domain {spec.name} has other features now than model version {card.version} learned from")
+    return contributions(encoder, predictor, event, decision.treatment)
