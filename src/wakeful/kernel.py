@@ -17,7 +17,7 @@ from wakeful.admission import Admission, Counts
 from wakeful.contracts.domain import Domain, Registered
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
-from wakeful.facts.asking import Episode, Query
+from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Draft, Event, Observation, Phase, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
@@ -43,6 +43,7 @@ from wakeful.facts.lines import (
 )
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import Stamp, to_ns
+from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.registration import SpecRegistrar
@@ -101,6 +102,7 @@ class Kernel:
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
         self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings(seed=settings.seed))
+        self._counsel = Counsel()
         self._weights = b""
         self._revision = Revision(spec)
         self._lines: list[Line] = []
@@ -359,6 +361,7 @@ class Kernel:
         self._validation.apply(record, now_ns)
         self._learn_from(record)
         self._episodes.apply(record)
+        self._counsel.apply(record)
         self._revision.apply(record, now_ns)
 
     def _learn_from(self, record: AnyRecord) -> None:
@@ -379,29 +382,36 @@ class Kernel:
         """Search episodic memory for a process."""
         return self._episodes.search(query, self._now_ns)
 
+    def counselled(self, decision: Decision, reply: Reply) -> dict[str, float]:
+        """The forecast to go on with after deliberation: the model's and the reasoner's, by how well each has forecast."""
+        return self._counsel.pool(decision.prior, decision.model > 0, reply, self.domain.spec.outcome.labels)
+
     def closes_ns(self, arrived_ns: int) -> int:
         """When the window closes in which the world may show the outcome of an event that arrived then."""
         return arrived_ns + to_ns(self.domain.spec.outcome.within_s)
 
     def _requests(self) -> Requests:
-        state = self._state
+        wakes = [due for due in (self._scheduler.next_due_ns(), self._validation.next_close_ns()) if due is not None]
+        requests = Requests(
+            lines=tuple(self._lines),
+            blobs=self._blobs,
+            calls=tuple(self._calls),
+            trainings=tuple(self._trainings),
+            wake_ns=min(wakes, default=None),
+        )
+        self._lines, self._blobs, self._calls, self._trainings = [], {}, [], []
+        return requests
+
+    def changed(self) -> dict[str, bytes | None]:
+        """The keyed state that changed since the last call: the driver commits it with the lines of all feeds up to now."""
+        state, self._state = self._state, {}
         state.update(self._scheduler.shelf.changed())
         for source, registrar in self._registrars.items():
             for part, value in registrar.changed().items():
                 self._parts.setdefault(source, set()).add(part)
                 state[_part_key(source, part)] = value
         state[_STATE_KEY] = msgspec.json.encode(_KernelState(now_ns=self._now_ns, sources=self._sources))
-        wakes = [due for due in (self._scheduler.next_due_ns(), self._validation.next_close_ns()) if due is not None]
-        requests = Requests(
-            lines=tuple(self._lines),
-            state=state,
-            blobs=self._blobs,
-            calls=tuple(self._calls),
-            trainings=tuple(self._trainings),
-            wake_ns=min(wakes, default=None),
-        )
-        self._lines, self._state, self._blobs, self._calls, self._trainings = [], {}, {}, [], []
-        return requests
+        return state
 
     # --- recovery ---
 

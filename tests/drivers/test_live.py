@@ -73,9 +73,7 @@ def test_many_admissions_at_once_share_commits_and_each_gets_its_own_receipt() -
     class Counting(MemoryJournal):
         commits = 0
 
-        def commit(
-            self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]
-        ) -> None:
+        def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
             type(self).commits += 1
             super().commit(lines, state, blobs)
 
@@ -124,9 +122,7 @@ def test_others_go_on_while_one_waits_for_the_reasoner_and_an_open_call_survives
     asyncio.run(first())
     assert len(records(journal, Asked)) > 0
     asyncio.run(second())
-    assert {record.event for record in records(journal, Concluded)} == {
-        record.event.id for record in records(journal, Admitted)
-    }
+    assert {record.event for record in records(journal, Concluded)} == {record.event.id for record in records(journal, Admitted)}
     answered = [(each.process, each.seq) for each in records(journal, Answered)]
     assert len(answered) == len(set(answered))
 
@@ -171,9 +167,7 @@ def test_an_event_that_cannot_be_written_is_not_acknowledged() -> None:
     class Full(MemoryJournal):
         full = False
 
-        def commit(
-            self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]
-        ) -> None:
+        def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
             if self.full:
                 raise JournalError("disk full")
             super().commit(lines, state, blobs)

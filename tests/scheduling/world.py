@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 import msgspec
 
 from wakeful.contracts.treatment import Mind
-from wakeful.facts.asking import Episode, Query
+from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.decisions import Candidate, Decision, Gate, Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Condition, Event, Phase
@@ -97,6 +97,9 @@ class World:
 
     def closes_ns(self, arrived_ns: int) -> int:
         return arrived_ns + to_ns(60.0)
+
+    def counselled(self, decision: Decision, reply: Reply) -> dict[str, float]:
+        return decision.prior
 
     def concluded(self, record: Concluded) -> None:
         pass

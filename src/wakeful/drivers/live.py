@@ -181,7 +181,7 @@ class LiveDriver:
     async def _commit(self, requests: Requests) -> None:
         if requests.lines or requests.blobs:
             loop = asyncio.get_running_loop()
-            await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, requests.state, requests.blobs)
+            await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, self.kernel.changed(), requests.blobs)
 
     def _answer(self, lines: tuple[Line, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
         receipts: dict[object, Receipt] = {}

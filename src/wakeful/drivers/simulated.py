@@ -51,7 +51,6 @@ class SimulatedDriver:
         self._loop = asyncio.new_event_loop()
         self._answers: list[tuple[int, int, int, Answer]] = []
         self._lines: list[Line] = []
-        self._state: dict[str, bytes | None] = {}
         self._blobs: dict[str, bytes] = {}
         self._wake_ns: int | None = None
         self._take(kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal)))
@@ -172,7 +171,6 @@ class SimulatedDriver:
 
     def _take(self, requests: Requests) -> None:
         self._lines.extend(requests.lines)
-        self._state.update(requests.state)
         self._blobs.update(requests.blobs)
         self._wake_ns = requests.wake_ns
         if requests.calls or requests.trainings:
@@ -189,9 +187,9 @@ class SimulatedDriver:
         heapq.heappush(self._answers, (due_ns, call.process, call.seq, answer))
 
     def _commit(self) -> None:
-        if self._lines or self._state or self._blobs:
-            self.journal.commit(self._lines, self._state, self._blobs)
-            self._lines, self._state, self._blobs = [], {}, {}
+        state = self.kernel.changed()
+        self.journal.commit(self._lines, state, self._blobs)
+        self._lines, self._blobs = [], {}
 
 
 def _source_ns(item: Item) -> int | None:

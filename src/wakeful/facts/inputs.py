@@ -116,10 +116,10 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Requests(msgspec.Struct, frozen=True, kw_only=True):
-    """What the kernel wants done. The driver commits lines, state and blobs in one transaction before it acts on the rest."""
+    """What the kernel wants done. The driver commits lines and blobs, with the kernel's ``changed()`` state, in one
+    transaction before it acts on the rest."""
 
     lines: tuple[Line, ...] = ()
-    state: dict[str, bytes | None] = {}
     blobs: dict[str, bytes] = {}
     calls: tuple[Call, ...] = ()
     trainings: tuple[Training, ...] = ()

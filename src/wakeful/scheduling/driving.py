@@ -67,10 +67,10 @@ class Coroutines:
             Mismatch: the code asks for something else than was recorded.
             Failure: the treatment raised.
         """
-        decision = process.decision
-        if process.first_of_attempt is None or decision is None:
+        first = process.first_of_attempt
+        if first is None:
             raise Mismatch("the process has no decision")
-        mind = KernelMind(process.first_of_attempt.mode, process.first_of_attempt, self._spec, self._clock)
+        mind = KernelMind(first.mode, first, lambda: process.decision or first, self._spec, self._clock)
         chosen = process.parent != 0
         process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)
         budget = steps - process.base_steps

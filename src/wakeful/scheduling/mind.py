@@ -29,14 +29,23 @@ class KernelMind:
 
     Args:
         mode: how this attempt is executed.
-        decision: the decision in force.
+        decision: the decision with which this attempt began.
+        current: gives the decision in force, which deliberation may have revised.
         domain: the domain's data.
         clock: the kernel's time in nanoseconds, as of the last await.
     """
 
-    def __init__(self, mode: Mode, decision: Decision, domain: DomainSpec, clock: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        mode: Mode,
+        decision: Decision,
+        current: Callable[[], Decision],
+        domain: DomainSpec,
+        clock: Callable[[], int],
+    ) -> None:
         self._mode = mode
         self._decision = decision
+        self._current = current
         self._domain = domain
         self._clock = clock
         self._advice: Reply | None = None
@@ -62,21 +71,13 @@ class KernelMind:
         return self._advice
 
     def advise(self, reply: Reply) -> None:
-        """Take the reasoner's answer as advice; its forecast becomes the prior."""
+        """Take the reasoner's answer as advice."""
         self._advice = reply
 
     @property
     def prior(self) -> dict[str, float]:
-        """Probabilities over the domain's outcome labels to start from."""
-        advice = self._advice
-        if advice is None or advice.forecast not in self._domain.outcome.labels:
-            return self._decision.prior
-        others = [label for label in self._domain.outcome.labels if label != advice.forecast]
-        known = self._decision.prior
-        rest = sum(known.get(label, 0.0) for label in others)
-        left = 1.0 - advice.forecast_probability
-        shares = {label: (known.get(label, 0.0) / rest if rest > 0 else 1.0 / len(others)) for label in others}
-        return {advice.forecast: advice.forecast_probability} | {label: left * share for label, share in shares.items()}
+        """Probabilities over the domain's outcome labels to start from; after deliberation, with the reasoner's in them."""
+        return self._current().prior
 
     @property
     def now_s(self) -> float:

@@ -83,11 +83,12 @@ def _sentence(episode: Episode) -> str:
     )
 
 
-def revised(decision: Decision, reply: Reply) -> Decision:
-    """The decision after deliberation answered: its treatment, with the reasoner's confidence and reasons."""
+def revised(decision: Decision, reply: Reply, prior: dict[str, float]) -> Decision:
+    """The decision after deliberation answered: its treatment, with the reasoner's confidence and reasons, and what to expect."""
     return msgspec.structs.replace(
         decision,
         treatment=reply.choice,
+        prior=prior,
         confidence=round(reply.confidence, 6),
         reasons=(*decision.reasons, *(f"{reply.reasoner or 'reasoner'}: {reason}" for reason in reply.because)),
     )
