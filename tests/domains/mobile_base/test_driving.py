@@ -1,0 +1,125 @@
+"""Starts, stops, stalls, slips, shocks and tilt, from odometry, commands and inertial sensors made by hand."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import pytest
+
+from tests.domains.watching import Watch
+from wakeful.domains.mobile_base.drive import Drive
+from wakeful.domains.mobile_base.shocks import Shocks
+from wakeful.domains.mobile_base.slip import Slip
+from wakeful.facts.events import Phase
+
+ODOMETRY, TWIST, IMU = "nav_msgs/msg/Odometry", "geometry_msgs/msg/Twist", "sensor_msgs/msg/Imu"
+
+
+def _drive(watch: Watch, at_s: float, speed_mps: float, turn_radps: float = 0.0, topic: str = "/anything/odom") -> None:
+    watch.see(at_s, topic, _type=ODOMETRY, vx=speed_mps, vy=0.0, wz=turn_radps, x=0.0, y=0.0, yaw=0.0, child_frame="base_link")
+
+
+def _command(watch: Watch, at_s: float, speed_mps: float, turn_radps: float = 0.0) -> None:
+    watch.see(at_s, "/cmd_vel", _type=TWIST, vx=speed_mps, vy=0.0, wz=turn_radps)
+
+
+def test_a_drive_is_a_start_and_a_stop_however_many_messages_it_takes() -> None:
+    watch = Watch(Drive)
+    for tick in range(200):
+        _drive(watch, tick / 20, 0.5 if 40 <= tick < 160 else 0.0)
+    assert [one.kind for one in watch.events] == ["start", "unexpected_stop"]
+    assert watch.shown == [("stopped", "*")]
+
+
+def test_creeping_about_the_threshold_is_no_series_of_starts() -> None:
+    watch = Watch(Drive)
+    for tick in range(400):
+        _drive(watch, tick / 20, 0.05 + 0.02 * (-1) ** tick)
+    assert len(watch.events) <= 1
+
+
+def test_a_stop_that_was_commanded_is_routine() -> None:
+    watch = Watch(Drive)
+    for tick in range(200):
+        if tick % 4 == 0:
+            _command(watch, tick / 20, 0.5 if 40 <= tick < 160 else 0.0)
+        _drive(watch, tick / 20 + 0.01, 0.5 if 42 <= tick < 162 else 0.0)
+    assert [(one.kind, one.criticality) for one in watch.events] == [("start", 0), ("stop", 0)]
+
+
+def test_resting_against_a_command_is_an_unexpected_stop_and_a_stall() -> None:
+    watch = Watch(Drive)
+    for tick in range(300):
+        if tick % 4 == 0:
+            _command(watch, tick / 20, 0.5 if tick < 260 else 0.0)
+        _drive(watch, tick / 20 + 0.01, 0.5 if 2 <= tick < 160 else 0.0)
+    assert [one.kind for one in watch.events] == ["start", "unexpected_stop", "stall"]
+    assert watch.phases("stall") == [Phase.RAISED, Phase.CLEARED]
+    assert ("recovered", "base") in watch.shown
+
+
+def test_an_old_command_asks_for_nothing() -> None:
+    watch = Watch(Drive)
+    _command(watch, 0.0, 0.5)
+    for tick in range(40, 200):
+        _drive(watch, tick / 20, 0.0)
+    assert watch.events == []
+
+
+def test_two_robots_in_one_recording_are_told_apart() -> None:
+    watch = Watch(Drive)
+    for tick in range(60):
+        _drive(watch, tick / 20, 0.0, topic="/a/odom")
+        _drive(watch, tick / 20, 0.5 if tick > 20 else 0.0, topic="/b/odom")
+    assert [one.entity for one in watch.events] == ["base b"]
+
+
+@pytest.mark.parametrize("mounted_rad", [0.0, pi / 2, pi])
+def test_slip_is_found_however_the_sensor_is_mounted(mounted_rad: float) -> None:
+    watch = Watch(Slip)
+    up = (0.0, sin(mounted_rad), cos(mounted_rad))
+    for tick in range(400):
+        at_s = tick / 20
+        wheels_radps = 1.0 if tick >= 100 else 0.0
+        felt_radps = 1.0 if 100 <= tick < 200 else 0.1 if tick >= 200 else 0.0
+        _drive(watch, at_s, 0.3, wheels_radps)
+        turn = {f"w{axis}": felt_radps * part for axis, part in zip("xyz", up, strict=True)}
+        force = {f"a{axis}": 9.81 * part for axis, part in zip("xyz", up, strict=True)}
+        watch.see(at_s, "/anything/imu", _type=IMU, **turn, **force)
+    assert [one.phase for one in watch.found("slip") if one.phase is Phase.RAISED] == [Phase.RAISED]
+    assert watch.events[0].fields["wheels_faster"] is True
+
+
+def test_an_unbiased_turn_is_no_slip_even_with_a_gyroscope_that_drifts() -> None:
+    watch = Watch(Slip)
+    for tick in range(600):
+        turning = 0.8 if tick >= 300 else 0.0
+        _drive(watch, tick / 20, 0.0 if tick < 300 else 0.3, turning)
+        watch.see(tick / 20, "/imu", _type=IMU, wx=0.0, wy=0.0, wz=turning + 0.08, ax=0.0, ay=0.0, az=9.8)
+    assert watch.events == []
+
+
+def test_one_crash_is_one_shock_and_a_contact() -> None:
+    watch = Watch(Shocks)
+    for tick in range(400):
+        az = 40.0 if 200 <= tick < 206 else 9.81 + 0.3 * (-1) ** tick
+        watch.see(tick / 50, "/imu", _type=IMU, ax=0.0, ay=0.0, az=az)
+    assert [one.kind for one in watch.events] == ["shock"]
+    assert watch.shown == [("contact", "*")]
+
+
+def test_rough_ground_is_usual_after_a_while() -> None:
+    watch = Watch(Shocks)
+    for tick in range(3000):
+        watch.see(tick / 50, "/imu", _type=IMU, ax=0.0, ay=0.0, az=9.81 + (4.0 if tick % 2 else -4.0))
+    assert watch.events == []
+
+
+def test_tilt_counts_from_how_the_sensor_stood_first() -> None:
+    watch = Watch(Shocks)
+    for tick in range(600):
+        roll = pi / 2 + (0.5 if 300 <= tick < 450 else 0.0)
+        values = {"ax": 0.0, "ay": 9.81 * sin(roll), "az": 9.81 * cos(roll)}
+        watch.see(tick / 50, "/imu", _type=IMU, **values, roll=roll, pitch=0.0, yaw=0.0)
+    assert watch.phases("tilt") == [Phase.RAISED, Phase.CLEARED]
+    assert watch.found("tilt")[0].criticality == 3
