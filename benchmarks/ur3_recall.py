@@ -17,13 +17,15 @@ The domain's settings were chosen on the first 60 % of the rows; the last 40 % a
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 from statistics import fmean, median, quantiles
+
+import msgspec
 
 from wakeful.bridges.xlsx import XlsxBridge
 from wakeful.contracts.bridge import SourceError
@@ -31,7 +33,7 @@ from wakeful.domains import DomainError, load
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.time import to_s
-from wakeful.registration import Incident, SpecRegistrar, recall
+from wakeful.registration import Incident, Recall, SpecRegistrar, recall
 
 RECORDING = Path(__file__).parents[2] / "shared" / "data" / "ur3_cobotops" / "dataset.xlsx"
 WINDOWS_S = (5.0, 10.0, 30.0, 60.0)
@@ -41,23 +43,57 @@ SHIFTS = 1000
 REPEATS = 5
 
 
-def incidents_in(observations: Sequence[Observation], spec: DomainSpec) -> list[Incident]:
-    """The stretches of rows in which a flag is up, with their length in rows."""
-    found = []
+class Row(msgspec.Struct):
+    """One line of the table: a part of the recording, a choice of events, a window, a kind of incident."""
+
+    part: str
+    events: str
+    events_per_hour: float
+    recall: Recall
+    shifted_mean: float
+    shifted_95: float
+
+
+class Cost(msgspec.Struct):
+    """Microseconds of processor time an observation."""
+
+    plain_loop_us: float
+    register_us: float
+    ratio: float
+    unheard_topic_us: float
+
+
+class Report(msgspec.Struct):
+    """All that is printed. ``after_blank``: incidents whose flag was blank just before, so that they may have begun earlier."""
+
+    rows: int
+    unlabelled_rows: int
+    after_blank: int
+    events: int
+    kinds: dict[str, int]
+    cost: Cost
+    recall: list[Row]
+
+
+def incidents_in(observations: Sequence[Observation], spec: DomainSpec) -> tuple[list[Incident], int]:
+    """The stretches of rows in which a flag is up, with their length in rows; and how many begin just after a blank."""
+    found, after_blank = [], 0
     for source in spec.outcomes:
         name = source.channel.rpartition("/")[2]
-        start_ns, rows = 0, 0
+        start_ns, rows, before_is_blank = 0, 0, False
         for observation in observations:
             flag = observation.values.get(name)
             if flag:
-                start_ns = start_ns if rows else observation.at_ns
+                if not rows:
+                    start_ns, after_blank = observation.at_ns, after_blank + before_is_blank
                 rows += 1
             elif flag is not None and rows:
                 found.append(Incident(label=source.label, at_ns=start_ns, observations=rows))
                 rows = 0
+            before_is_blank = flag is None
         if rows:
             found.append(Incident(label=source.label, at_ns=start_ns, observations=rows))
-    return found
+    return found, after_blank
 
 
 def register(observations: Sequence[Observation], domain: str) -> list[Draft]:
@@ -90,14 +126,14 @@ def shifted(incidents: Sequence[Incident], events_ns: Sequence[int], axis: Calla
     return {label: (fmean(values), quantiles(values, n=20)[-1]) for label, values in shares.items()}
 
 
-def tables(observations: Sequence[Observation], events: Sequence[Draft], spec: DomainSpec, seed: int) -> list[dict[str, object]]:
+def table(observations: Sequence[Observation], events: Sequence[Draft], spec: DomainSpec, seed: int) -> list[Row]:
     """One row for each part of the recording, choice of events, window and label."""
     axis = observed_axis(observations)
-    incidents = incidents_in(observations, spec)
+    incidents, _ = incidents_in(observations, spec)
     own = {source.label for source in spec.outcomes}
     cut = round(TUNED_SHARE * len(observations))
     parts = {"all": observations, "first 60 %": observations[:cut], "last 40 %": observations[cut:]}
-    made: list[dict[str, object]] = []
+    made: list[Row] = []
     for part, rows in parts.items():
         first_ns, last_ns = rows[0].at_ns, rows[-1].at_ns
         span_s = (axis(first_ns), axis(last_ns))
@@ -108,17 +144,13 @@ def tables(observations: Sequence[Observation], events: Sequence[Draft], spec: D
                 by_shift = shifted(inside, chosen, axis, span_s, window_s, Random(seed))
                 for each in recall(inside, chosen, window_s, span_s[1] - span_s[0]):
                     mean, high = by_shift[each.label]
-                    made.append({
-                        "part": part, "events": choice, "window_s": window_s, "label": each.label, "n_events": len(chosen),
-                        "events_per_hour": len(chosen) / (span_s[1] - span_s[0]) * 3600, "incidents": each.incidents,
-                        "preceded": each.preceded, "recall": each.share, "rows": each.observations, "rows_recall": each.observations_share,
-                        "lead_s": each.lead_s, "chance": each.chance, "shifted_mean": mean, "shifted_95": high,
-                    })  # fmt: skip
+                    per_hour = len(chosen) / (span_s[1] - span_s[0]) * 3600
+                    made.append(Row(part, choice, per_hour, each, mean, high))
     return made
 
 
-def cost(observations: Sequence[Observation], domain: str) -> dict[str, float]:
-    """Microseconds of processor time an observation, against a plain loop that reads every value of it, in the same process."""
+def cost(observations: Sequence[Observation], domain: str) -> Cost:
+    """Against a plain loop that reads every value of every observation, in the same process; medians of several runs."""
 
     def plain() -> None:
         total = 0.0
@@ -127,28 +159,46 @@ def cost(observations: Sequence[Observation], domain: str) -> dict[str, float]:
                 if value.__class__ is float:
                     total += value
 
-    def spent(run: Callable[[], object]) -> float:
+    def spent_us(run: Callable[[], object], count: int) -> float:
         times = []
         for _ in range(REPEATS):
             start = time.process_time()
             run()
-            times.append((time.process_time() - start) / len(observations) * 1e6)
+            times.append((time.process_time() - start) / count * 1e6)
         return median(times)
 
-    unheard = [
-        Observation(source="s", position=at, topic="unheard", at_ns=at, values=observations[0].values) for at in range(7000)
-    ]
-    spec = load(domain).spec
-    hears_all = any(detector.detector == "silence" for detector in spec.detect)
+    same = observations[0].values
+    unheard = [Observation(source="s", position=at, topic="unheard", at_ns=at, values=same) for at in range(len(observations))]
     registrar = SpecRegistrar(load(domain), "benchmark")
-    silent_us = spent(lambda: [registrar.observe(each) for each in unheard]) * len(observations) / len(unheard)
-    loop_us, register_us = spent(plain), spent(lambda: register(observations, domain))
-    return {"plain_loop_us": loop_us, "register_us": register_us, "ratio": register_us / loop_us, "unheard_topic_us": silent_us,
-            "silence_watches": float(hears_all)}  # fmt: skip
+    loop_us, register_us = spent_us(plain, len(observations)), spent_us(lambda: register(observations, domain), len(observations))
+    unheard_us = spent_us(lambda: [registrar.observe(each) for each in unheard], len(unheard))
+    return Cost(loop_us, register_us, register_us / loop_us, unheard_us)
+
+
+def show(report: Report) -> None:
+    """Print the report for a person."""
+    print(
+        f"{report.rows} rows; {report.unlabelled_rows} have a blank flag, and {report.after_blank} incidents begin just after one"
+    )
+    print(f"{report.events} events, one for {report.rows / max(report.events, 1):.1f} rows: " + ", ".join(
+        f"{kind} {count}" for kind, count in sorted(report.kinds.items(), key=lambda pair: -pair[1])
+    ))  # fmt: skip
+    print(f"{'part':<10} {'events':<8} {'/h':>4} {'window':>6}  {'incident':<15} {'n':>4} {'recall':>6} {'of rows':>7}", end="")
+    print(f" {'chance':>6} {'shifted (95 %)':>14}  lead s: median (quartiles)")
+    for row in report.recall:
+        each = row.recall
+        early = "none" if each.lead_s is None else f"{each.lead_s[1]:.0f} ({each.lead_s[0]:.0f} to {each.lead_s[2]:.0f})"
+        print(f"{row.part:<10} {row.events:<8} {row.events_per_hour:4.0f} {each.window_s:4.0f} s  {each.label:<15}", end="")
+        print(f" {each.incidents:4d} {each.share:6.2f} {each.observations_share:7.2f} {each.chance:6.2f}", end="")
+        print(f"    {row.shifted_mean:.2f} ({row.shifted_95:.2f})  {early}")
+    took = report.cost
+    plain = f"{took.ratio:.0f} times a plain loop over its values ({took.plain_loop_us:.1f} µs)"
+    print(f"cost: {took.register_us:.0f} µs a row, {plain};", end="")
+    print(f" an observation that nobody looks at: {took.unheard_topic_us:.2f} µs")
 
 
 def main() -> int:
-    """Print the tables. Returns 0, or 1 with one line on standard error where the recording or the domain can't be used."""
+    """Print the report. Returns 0, or 1 with one line on standard error where the recording or the domain can't be used."""
     parser = argparse.ArgumentParser(description="Recall of registration on the UR3 recording")
     parser.add_argument("--recording", type=Path, default=RECORDING)
     parser.add_argument("--domain", default="ur3_cobotops")
@@ -162,30 +212,20 @@ def main() -> int:
     except (SourceError, DomainError) as error:
         print(error, file=sys.stderr)
         return 1
-    made = tables(observations, events, spec, options.seed)
-    names = [source.channel.rpartition("/")[2] for source in spec.outcomes]
-    blank = sum(any(each.values.get(name) is None for name in names) for each in observations)
-    kinds: dict[str, int] = {}
-    for event in events:
-        kinds[event.kind] = kinds.get(event.kind, 0) + 1
-    costs = cost(observations, options.domain)
-    if options.json:
-        print(json.dumps({"rows": len(observations), "unlabelled_rows": blank, "events": len(events), "kinds": kinds,
-                          "observations_per_event": len(observations) / max(len(events), 1), "cost": costs, "recall": made}))  # fmt: skip
-        return 0
-    print(
-        f"{len(observations)} rows, {blank} without a label; {len(events)} events, one for {len(observations) / max(len(events), 1):.1f} rows"
+    flags = [source.channel.rpartition("/")[2] for source in spec.outcomes]
+    report = Report(
+        rows=len(observations),
+        unlabelled_rows=sum(any(each.values.get(flag) is None for flag in flags) for each in observations),
+        after_blank=incidents_in(observations, spec)[1],
+        events=len(events),
+        kinds=dict(Counter(event.kind for event in events)),
+        cost=cost(observations, options.domain),
+        recall=table(observations, events, spec, options.seed),
     )
-    print("events by kind: " + ", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items(), key=lambda pair: -pair[1])))
-    print(f"{'part':<10} {'events':<8} {'/h':>5} {'window':>6}  {'incident':<16} {'n':>4} {'recall':>7} {'of rows':>8}"
-          f" {'chance':>7} {'shifted (95 %)':>15}  lead s: median (quartiles)")  # fmt: skip
-    for row in made:
-        lead = row["lead_s"]
-        early = f"{lead[1]:.0f} ({lead[0]:.0f} to {lead[2]:.0f})" if isinstance(lead, tuple) else "none"
-        print(f"{row['part']:<10} {row['events']:<8} {row['events_per_hour']:5.0f} {row['window_s']:6.0f}  {row['label']:<16} {row['incidents']:4d}"
-              f" {row['recall']:7.2f} {row['rows_recall']:8.2f} {row['chance']:7.2f} {row['shifted_mean']:8.2f} ({row['shifted_95']:.2f})  {early}")  # fmt: skip
-    print(f"cost: {costs['register_us']:.1f} µs a row ({costs['ratio']:.1f} times a plain loop over its values,"
-          f" {costs['plain_loop_us']:.1f} µs); a topic nobody looks at: {costs['unheard_topic_us']:.2f} µs")  # fmt: skip
+    if options.json:
+        print(msgspec.json.encode(report).decode())
+    else:
+        show(report)
     return 0
 
 

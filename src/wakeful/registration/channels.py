@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
+from operator import itemgetter
 from typing import Final
 
 from wakeful.facts.events import Observation
@@ -21,13 +22,45 @@ _PLACEHOLDER = re.compile(r"\{(\w+)\}")
 PLACEHOLDERS: Final = ("channel", "topic", "name", "robot", "number")
 
 
+Take = Callable[[Mapping[str, Value]], Sequence[Value]]
+
+
+def _nothing(values: Mapping[str, Value]) -> Sequence[Value]:
+    del values
+    return ()
+
+
+def _taking(names: list[str]) -> Take:
+    if not names:
+        return _nothing
+    if len(names) == 1:
+        (name,) = names
+        return lambda values: (values[name],)
+    return itemgetter(*names)
+
+
 class _Topic:
-    __slots__ = ("deep", "known", "wanted")
+    """What is known of one topic's names. ``shape`` are the names of the observation seen last, with what to take of it."""
+
+    __slots__ = ("channels", "deep", "known", "shape", "take", "take_deep", "wanted")
 
     def __init__(self) -> None:
         self.known: set[str] = set()
         self.wanted: list[tuple[str, str]] = []
         self.deep: list[str] = []
+        self.shape: tuple[str, ...] = ()
+        self.channels: tuple[str, ...] = ()
+        self.take: Take = _nothing
+        self.take_deep: Take = _nothing
+
+    def shaped(self, shape: tuple[str, ...]) -> None:
+        """Work out what to take of observations with just these names, in this order."""
+        there = set(shape)
+        wanted = [(name, channel) for name, channel in self.wanted if name in there]
+        self.shape = shape
+        self.channels = tuple(channel for _, channel in wanted)
+        self.take = _taking([name for name, _ in wanted])
+        self.take_deep = _taking([name for name in self.deep if name in there])
 
 
 class Channels:
@@ -54,11 +87,22 @@ class Channels:
         """The chosen (channel, value) pairs, those of the observation itself by name, then those inside its dicts."""
         values = observation.values
         topic = self._topics.get(observation.topic)
-        if topic is None or not values.keys() <= topic.known:
-            topic = self._learn(observation)
-        found = [(channel, values[name]) for name, channel in topic.wanted if name in values]
+        # messages of one topic nearly always have the same names in the same order: comparing those is cheap
+        shape = tuple(values)
+        if topic is None or topic.shape != shape:
+            if topic is None or not topic.known.issuperset(shape):
+                topic = self._learn(observation)
+            topic.shaped(shape)
+        found = list(zip(topic.channels, topic.take(values), strict=True))
+        for value in topic.take_deep(values):
+            if value.__class__ is dict:
+                return found + self._all_inside(topic, observation)
+        return found
+
+    def _all_inside(self, topic: _Topic, observation: Observation) -> list[tuple[str, Value]]:
+        found: list[tuple[str, Value]] = []
         for name in topic.deep:
-            value = values.get(name)
+            value = observation.values.get(name)
             if value.__class__ is dict:
                 found.extend(self._inside(f"{observation.topic}/{name}", value))
         return found

@@ -44,8 +44,10 @@ class Band(msgspec.Struct):
         """
         away = value - self.middle
         spread = (self.high - self.middle if away > 0 else self.middle - self.low) / GAUSS
-        least = max(floor, 0.05 * self.size, 1e-6 * abs(self.middle), 1e-12)
-        return away / max(spread, least)
+        if spread > floor and spread > 0.05 * self.size:
+            least = 1e-6 * abs(self.middle) + 1e-12
+            return away / (spread if spread > least else least)
+        return away / max(floor, spread, 0.05 * self.size, 1e-6 * abs(self.middle) + 1e-12)
 
     def learn(self, value: float, warm_up: int, memory: float) -> None:
         """Take up a value. The band is there after ``warm_up`` values and forgets over about ``memory`` of them."""
@@ -55,13 +57,18 @@ class Band(msgspec.Struct):
             if len(self.first) >= warm_up:
                 self._start()
             return
-        rate = 1.0 / min(self.count, memory)
-        self.size += rate * (abs(value - self.middle) - self.size)
-        step = STEP * rate * max(self.high - self.low, self.size)
-        self.low += step * (LOW if value > self.low else LOW - 1.0) if value != self.low else 0.0
-        self.middle += step * (MIDDLE if value > self.middle else -MIDDLE) if value != self.middle else 0.0
-        self.high += step * (HIGH if value > self.high else HIGH - 1.0) if value != self.high else 0.0
-        self.low, self.high = min(self.low, self.middle), max(self.high, self.middle)
+        low, middle, high = self.low, self.middle, self.high
+        rate = 1.0 / (self.count if self.count < memory else memory)
+        self.size += rate * (abs(value - middle) - self.size)
+        width = high - low
+        step = STEP * rate * (width if width > self.size else self.size)
+        if value != low:
+            low += step * (LOW if value > low else LOW - 1.0)
+        if value != high:
+            high += step * (HIGH if value > high else HIGH - 1.0)
+        if value != middle:
+            middle += step * (MIDDLE if value > middle else -MIDDLE)
+        self.low, self.middle, self.high = (low if low < middle else middle), middle, (high if high > middle else middle)
 
     def _start(self) -> None:
         ordered = sorted(self.first)

@@ -100,7 +100,10 @@ class BandDetector(PerChannel[Excursion]):
         seen = None
         if band.learned:
             score = band.score(reading, settings.floor)
-            seen = self._judge(channel, reading, score, band.middle, memory, observation)
+            if memory.out or score > settings.width or -score > settings.width:
+                seen = self._judge(channel, reading, score, band.middle, memory, observation)
+            else:
+                memory.outside = 0
         band.learn(reading, settings.learn, settings.memory)
         return seen
 
