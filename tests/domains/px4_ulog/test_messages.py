@@ -67,3 +67,10 @@ def test_debug_chatter_is_nothing() -> None:
     watch = Watch(Messages)
     watch.see(1.0, "log", level="debug", text="tick")
     assert watch.seen == []
+
+
+def test_a_check_in_words_is_left_to_the_checks() -> None:
+    watch = Watch(Messages)
+    values = {"name": "check_modes_offboard_signal", "text": "No offboard signal", "group": "arming_check", "level": "error"}
+    watch.see(1.0, "event", id=19865031, log_levels=0x33, **values)
+    assert watch.seen == []

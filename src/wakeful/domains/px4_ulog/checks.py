@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import msgspec
 
 from wakeful.contracts.detector import Found, Shown
-from wakeful.domains.plain import series, whole, within
+from wakeful.domains.plain import series, text, whole, within
 from wakeful.domains.px4_ulog.event_names import COMPONENTS, REPORT_BEGINS, REPORT_ENDS, event_name, in_words
 from wakeful.domains.px4_ulog.flight import Flight
 from wakeful.domains.remembering import Remembering, Seen
+from wakeful.domains.template import plain_text
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 
@@ -26,6 +27,7 @@ class Check(msgspec.Struct):
     level: int
     modes: int
     component: int
+    words: str = ""
 
 
 class _Memory(msgspec.Struct):
@@ -67,7 +69,8 @@ class Checks(Remembering[_Memory]):
             given += [0] * (5 - len(given))
             modes = given[0] | given[1] << 8 | given[2] << 16 | given[3] << 24
             label = name or f"check_{number & 0xFFFFFF}"
-            memory.report[label] = Check(label, levels >> 4 & 0xF, modes, given[4])
+            words = plain_text(text(observation.values, "text", 120)) or in_words(label)
+            memory.report[label] = Check(label, levels >> 4 & 0xF, modes, given[4], words)
 
     def _compare(self) -> Iterator[Seen]:
         memory = self.memory
@@ -92,7 +95,7 @@ class Checks(Remembering[_Memory]):
             kind="check",
             entity=entity,
             fields={**flight.fields(), "check": check.name, "needed": True, "severity": within((7 - check.level) / 7, 0.0, 1.0)},
-            says=f"PX4's check of the {entity} {failing}: {in_words(check.name)}; it concerns {modes} ({flight.says()}).",
+            says=f"PX4's check of the {entity} {failing}: {check.words}; it concerns {modes} ({flight.says()}).",
             criticality=(3 if check.level < _WARNING else 2) if flight.airborne else 1,
             deadline_s=10.0 if flight.airborne else None,
             phase=phase,

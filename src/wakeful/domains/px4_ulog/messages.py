@@ -70,16 +70,22 @@ class Messages(Remembering[_Memory]):
         values = observation.values
         level, said = _level(values), _text(values)
         doubled = isinstance(raw := values.get("text"), str) and raw.endswith("\t")
+        module = text(values, "module", 40)
         if observation.topic == "event":
+            name = text(values, "name", 80) or event_name(whole(values, "id") or 0)
+            self.memory.reports = self.memory.reports or name in (REPORT_BEGINS, REPORT_ENDS)
+            if name.startswith("check_") or text(values, "group", 40) not in ("", "default"):
+                return
+            module = name.partition("_")[0]
             if said:
                 self.memory.events_in_words = True
             else:
-                said = self._of_number(whole(values, "id"), level, observation.at_ns)
+                said = self._of_number(whole(values, "id"), name, level, observation.at_ns)
         elif doubled and self.memory.events_in_words:
             return
         if level is None or level > _INFO or not said:
             return
-        module, words = _module(said, text(values, "module", 40))
+        module, words = _module(said, module)
         if (level > _WARNING and module in self._quiet_modules) or (module == _CHECKS and self.memory.reports):
             return
         if level > _WARNING and self.memory.flight.landed is not None and words.startswith(_SAID_BY_STATE):
@@ -108,13 +114,9 @@ class Messages(Remembering[_Memory]):
             yield Offered(topic="message", key=wording, value={"text": words, "count": seen.count})
         seen.level = min(seen.level, level)
 
-    def _of_number(self, number_of: int | None, level: int | None, at_ns: int) -> str:
-        """Words for an event that came as a number, where it is worth some and no message of its own stands beside it."""
-        name = "" if number_of is None else event_name(number_of)
-        self.memory.reports = self.memory.reports or name in (REPORT_BEGINS, REPORT_ENDS)
-        if number_of is None or level is None or level > _WARNING:
-            return ""
-        if name.startswith("check_") or (not name and level > _CRITICAL):
+    def _of_number(self, number_of: int | None, name: str, level: int | None, at_ns: int) -> str:
+        """Words for an event that came without, where it is worth some and no message of its own stands beside it."""
+        if number_of is None or level is None or level > (_WARNING if name else _CRITICAL):
             return ""
         for seen in self.memory.wordings.values():
             if seen.level == level and 0 <= at_ns - seen.last_ns <= _TWIN_NS:
@@ -175,4 +177,4 @@ def _module(said: str, known: str = "") -> tuple[str, str]:
     """
     if said.startswith("[") and 1 < (end := said.find("]")) <= 40 and said[1:end].strip():
         return said[1:end].strip(), said[end + 1 :].strip() or said
-    return known or "px4", said
+    return known or "autopilot", said
