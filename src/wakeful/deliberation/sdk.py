@@ -115,8 +115,9 @@ class SdkEndpoint:
     async def _bound(self, response: httpx2.Response) -> None:
         if response.headers.get("content-encoding", "identity").lower() not in ("", "identity"):
             raise Unavailable("the endpoint sent a compressed answer, which was not asked for", again=False)
-        if isinstance(response.stream, httpx2.AsyncByteStream):
-            response.stream = _Bounded(response.stream, self._max_answer_bytes)
+        if not isinstance(response.stream, httpx2.AsyncByteStream):
+            raise Unavailable("this version of the openai SDK is not built on httpx2: pip install 'wakeful[openai]'", again=False)
+        response.stream = _Bounded(response.stream, self._max_answer_bytes)
 
     def _refusal(self, error: openai.APIStatusError) -> ReasonerError:
         status, code = error.status_code, str(error.code or "")
