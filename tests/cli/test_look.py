@@ -20,9 +20,9 @@ def test_status_says_what_was_received_and_what_is_open(wakeful: Wakeful, journa
 
 def test_events_lists_each_event_with_its_treatment_and_how_it_ended(wakeful: Wakeful, journal: Path) -> None:
     rows = [line.split("\t") for line in wakeful("events", "--journal", journal).stdout.splitlines()]
-    assert rows[0][:5] == ["event", "when", "kind", "entity", "criticality"]
+    assert rows[0][:5] == ["event", "when", "kind", "entity", "treatment"]
     assert len(rows) == 8
-    assert rows[1][5:9] == ["diagnosis", "delib", "resolved", "contradicted"]
+    assert rows[1][4:7] == ["diagnosis", "delib", "contradicted"]
 
 
 def test_events_can_be_filtered_and_limited(wakeful: Wakeful, journal: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from wakeful.cli.options import journal_option, json_option, print_json, reading
-from wakeful.cli.terminal import say
+from wakeful.cli.terminal import on_terminal, say, width
 from wakeful.cli.words import count, plain
 from wakeful.journal.audit import Audit, audit
 
@@ -34,7 +34,8 @@ def _print(report: Audit) -> None:
     widest = max(len(name) for name in report.checks)
     for name, finding in report.checks.items():
         verdict = "ok    " if finding.ok else "FAILED"
-        say(f"{verdict}  {name.ljust(widest)}  {finding.checked:>9,} checked  {finding.says}", fg=None if finding.ok else "red")
+        text = f"{verdict}  {name.ljust(widest)}  {finding.checked:>9,} checked  {finding.says}"
+        say(text[: width()] if on_terminal() else text, fg=None if finding.ok else "red")
         if finding.first_offender:
             offender = finding.first_offender
             where = f"first at line {offender.position} ({offender.record})"

@@ -7,15 +7,13 @@ from pathlib import Path
 import click
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
-from wakeful.cli.summary import print_state
+from wakeful.cli.summary import print_curve, print_state
 from wakeful.cli.terminal import say, table
 from wakeful.cli.waiting import deadline_words, stands
 from wakeful.cli.words import count, duration, instant
 from wakeful.facts.processes import State
 from wakeful.facts.time import to_s
 from wakeful.journal.views import EventPast, History, ProcessPast, View, history, summary_of
-
-CRITICALITIES = ("routine", "notable", "urgent", "critical")
 
 
 class EventRow(View, frozen=True):
@@ -66,6 +64,7 @@ def status_command(journal: Path | None, as_json: bool) -> None:
         return
     say(f"{path}: {count(read.last, 'line')}, {', '.join(_sources(read)) or 'no source yet'}")
     print_state(told)
+    print_curve(told)
 
 
 def _sources(read: History) -> list[str]:
@@ -114,22 +113,21 @@ def events_command(
         print_json(shown)
         return
     table(
-        ["event", "when", "kind", "entity", "criticality", "treatment", "mode", "state", "verdict", "says"],
+        ["event", "when", "kind", "entity", "treatment", "mode", "ended", "says"],
         [
             [
                 row.id[:10],
                 instant(row.at_ns),
                 row.kind,
                 row.entity,
-                CRITICALITIES[row.criticality],
                 row.treatment,
                 row.mode,
-                row.state,
-                row.verdict,
+                row.verdict or row.state,
                 row.says,
             ]
             for row in shown
         ],
+        whole=["event", "when"],
     )
     if len(shown) < len(rows):
         click.echo(f"the last {len(shown)} of {count(len(rows), 'event')}; --limit 0 shows all", err=True)
@@ -190,6 +188,7 @@ def processes_command(journal: Path | None, everything: bool, state: str | None,
             for row in shown
         ],
         ["process", "age", "steps"],
+        whole=["event", "age"],
     )
     if len(shown) < len(found):
         click.echo(f"the last {len(shown)} of {count(len(found), 'process', 'processes')}; --limit 0 shows all", err=True)

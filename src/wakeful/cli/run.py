@@ -126,7 +126,7 @@ def run_command(
             {**msgspec.to_builtins(told), "events_per_second": this.events_per_second, "journal": str(path), "this_run": this}
         )
     else:
-        print_summary(told, this.elapsed_s, this.events_per_second)
+        print_summary(told, items, this.elapsed_s, this.events_per_second)
         click.echo(f"\njournal: {path}\nlook closer with: wakeful why EVENT, wakeful stats, wakeful audit", err=True)
     if stop.signal:
         click.echo("stopped; the same command goes on from here", err=True)

@@ -38,9 +38,11 @@ def _print(told: Stats) -> None:
     say(f"{told.events_per_hour:,.1f} events an hour, over {duration(told.duration_s)}.")
     heading("Events by kind")
     before = bool(told.incidents)
-    columns = ["kind", "events", "per hour", "observations"] + (["incidents after", "of them", "by chance"] if before else [])
+    columns = ["kind", "events", "per hour", "observations each"] + (
+        ["incidents after", "of them", "by chance"] if before else []
+    )
     rows = [
-        [row.kind, f"{row.events:,}", f"{row.per_hour:,.1f}", f"{row.observations:,}"]
+        [row.kind, f"{row.events:,}", f"{row.per_hour:,.1f}", f"{row.observations / row.events:,.0f}"]
         + ([f"{row.before:,}", percent(row.share), percent(row.by_chance)] if before else [])
         for row in told.kinds
     ]

@@ -6,19 +6,28 @@ from wakeful.cli.terminal import heading, paragraph, row, say
 from wakeful.cli.words import blocks, count, duration, instant, percent, plain
 from wakeful.journal.views import Share, StrangeEpisode, Summary
 
+#: With fewer events a tenth of them says nothing.
+_LEAST_FOR_CURVE = 30
 
-def print_summary(told: Summary, elapsed_s: float, events_per_second: float) -> None:
-    """Print a summary: the strangest episodes first, then the counts."""
+
+def print_summary(told: Summary, items: int, elapsed_s: float, events_per_second: float) -> None:
+    """Print a summary: the strangest episodes first, then the counts, then how they went over time.
+
+    Args:
+        told: the summary of the whole journal.
+        items: what this run read of its source.
+        elapsed_s: how long that took.
+        events_per_second: received in this run.
+    """
     if told.strangest:
         heading("The strangest episodes")
         for episode in told.strangest:
             _episode(episode)
     heading(f"Summary of {plain(told.source)} ({told.domain})")
     print_state(told)
-    row(
-        "throughput",
-        f"{events_per_second:,.0f} events a second ({duration(told.duration_s)} of source time in {duration(elapsed_s)})",
-    )
+    pace = f"{items / elapsed_s:,.0f} items and {events_per_second:,.1f} events a second" if elapsed_s else "nothing was read"
+    row("throughput", f"{pace} ({count(items, 'item')} in {duration(elapsed_s)})")
+    print_curve(told)
 
 
 def print_state(told: Summary) -> None:
@@ -58,7 +67,6 @@ def print_state(told: Summary) -> None:
         + (f", {told.models_rejected} rejected" if told.models_rejected else "")
         + (f", {count(told.reopened, 'event')} reopened" if told.reopened else ""),
     )
-    _curve(told)
 
 
 def _episode(episode: StrangeEpisode) -> None:
@@ -99,8 +107,9 @@ def _accuracy(told: Summary) -> None:
         row("both right", _share(accuracy.joint))
 
 
-def _curve(told: Summary) -> None:
-    if len(told.curve) < 2:
+def print_curve(told: Summary) -> None:
+    """The automatic share and the share of right results over time, where there were events enough."""
+    if told.admitted < _LEAST_FOR_CURVE:
         return
     heading("Over time (each block a tenth of the events)")
     automatic: list[float | None] = [stretch.automatic for stretch in told.curve]

@@ -57,34 +57,38 @@ def row(label: str, text: str, width: int = 17) -> None:
         paragraph(text, 2, width, label.ljust(width))
 
 
-def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = ()) -> None:
+def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = (), whole: Sequence[str] = ()) -> None:
     """Print a table: aligned and cut to the terminal's width, or with tabs and nothing cut where it is piped.
 
     Args:
         columns: the headings.
         rows: cells as text, as many as headings.
-        numbers: headings of columns that are aligned to the right.
+        numbers: headings of columns that are aligned to the right; they are never cut.
+        whole: headings of further columns that are never cut.
     """
     clean = [[plain(cell) for cell in row] for row in rows]
     if not on_terminal():
         for row in [list(columns), *clean]:
             say("\t".join(row))
         return
-    widths = fitted([max(len(row[index]) for row in [list(columns), *clean]) for index in range(len(columns))], width())
+    widest = [max(len(row[index]) for row in [list(columns), *clean]) for index in range(len(columns))]
+    widths = fitted(widest, width(), [index for index, column in enumerate(columns) if column in (*numbers, *whole)])
     say(_line(columns, widths, columns, numbers), bold=True)
     for row in clean:
         say(_line(row, widths, columns, numbers))
 
 
-def fitted(widths: list[int], room: int) -> list[int]:
-    """Column widths that fit: the widest column gives way first, none below eight letters.
+def fitted(widths: Sequence[int], room: int, whole: Sequence[int] = ()) -> list[int]:
+    """Column widths that fit: the widest column gives way first, none below eight letters, those in ``whole`` never.
 
-    >>> fitted([10, 80, 10], 64)
-    [10, 40, 10]
+    >>> fitted([10, 80, 10], 64), fitted([30, 30], 40, whole=[0])
+    ([10, 40, 10], [30, 8])
     """
     found = list(widths)
-    while sum(found) + 2 * (len(found) - 1) > room and max(found) > _NARROWEST:
-        widest = found.index(max(found))
+    while sum(found) + 2 * (len(found) - 1) > room:
+        widest = max((index for index in range(len(found)) if index not in whole), key=lambda index: found[index], default=-1)
+        if widest < 0 or found[widest] <= _NARROWEST:
+            break
         found[widest] -= 1
     return found
 

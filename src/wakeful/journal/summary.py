@@ -16,6 +16,7 @@ from wakeful.journal.readable import Readable, View
 from wakeful.journal.strange import StrangeEpisode, strangest
 
 DECILES = 10
+REASONS_TOLD = 20
 
 
 class Share(View, frozen=True):
@@ -135,7 +136,7 @@ def summary_of(read: History, strange: int = 5) -> Summary:
         admitted=len(read.events),
         duplicate=read.duplicates,
         refused=refused,
-        refused_because=dict(sorted(read.refused.items(), key=lambda row: -row[1])),
+        refused_because=_reasons(read.refused),
         coverage=1.0 - uncovered / len(read.events) if read.events else 1.0,
         uncovered=uncovered,
         completion=ended / len(read.events) if read.events else 1.0,
@@ -213,6 +214,13 @@ def curve(roots: Sequence[tuple[EventPast, ProcessPast]], stretches: int = DECIL
         right = sum(1 for judged in decided if judged.predicted == judged.label)
         rows.append(Stretch(events=len(part), automatic=automatic / len(part), result=share(right, len(decided))))
     return tuple(rows)
+
+
+def _reasons(refused: dict[str, int]) -> dict[str, int]:
+    """Refusals by reason, the most frequent first; rare ones together, since a reason may quote what it refuses."""
+    ranked = sorted(refused.items(), key=lambda row: (-row[1], row[0]))
+    rare = sum(number for _, number in ranked[REASONS_TOLD:])
+    return dict(ranked[:REASONS_TOLD]) | ({"other reasons": rare} if rare else {})
 
 
 def _counts(names: Iterable[str]) -> dict[str, int]:
