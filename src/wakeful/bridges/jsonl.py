@@ -90,7 +90,9 @@ class JsonlBridge:
             yield from _lines(self._stdin or sys.stdin.buffer)
             return
         if path.is_dir():
-            for file in files_in(path, _SINGLE, *_LINES, deep=True):
+            if not (files := files_in(path, _SINGLE, *_LINES, deep=True)):
+                raise SourceError(f"{path} holds no .json or .jsonl file")
+            for file in files:
                 yield from _file(file)
             return
         yield from _file(path)

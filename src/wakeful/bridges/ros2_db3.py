@@ -1,4 +1,4 @@
-"""ROS 2 bags in SQLite storage (``.db3``), message by message in the order of their receipt."""
+"""ROS 2 bags in SQLite storage (``.db3``), message by message."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ from wakeful.contracts.bridge import SourceError
 from wakeful.facts.time import NS_PER_S
 
 MAGIC: Final = b"SQLite format 3\x00"
+#: What a damaged database makes of a query; texts in it may be no text any more.
+_DAMAGE: Final = (apsw.Error, UnicodeDecodeError)
 
 
 def messages(path: Path) -> Iterator[RawMessage | Broken]:
-    """The messages by time of receipt, then by number.
+    """The messages in the order in which they were written, which is that of their receipt.
+
+    That order needs no index and no sorting, so that a damaged bag gives what comes before the damage.
 
     Raises:
         SourceError: the file is no ROS 2 bag.
@@ -27,11 +31,10 @@ def messages(path: Path) -> Iterator[RawMessage | Broken]:
     try:
         definitions = _definitions(database)
         topics = _topics(path, database)
-        rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id")
         try:
-            for number, received_ns, data in rows:
+            for number, received_ns, data in database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY id"):
                 yield _message(topics.get(_whole(number)), definitions, received_ns, data)
-        except apsw.Error as failure:
+        except _DAMAGE as failure:
             yield Broken(f"the bag's database is damaged here, what follows is lost: {failure}")
     finally:
         database.close()
@@ -44,7 +47,7 @@ def summary(path: Path) -> Summary:
         topics = tuple(sorted(topic for topic, _, _ in _topics(path, database).values()))
         count, first_ns, last_ns = next(database.execute("SELECT count(*), min(timestamp), max(timestamp) FROM messages"))
         return Summary(topics, _whole(count), (_whole(last_ns) - _whole(first_ns)) / NS_PER_S)
-    except apsw.Error as failure:
+    except _DAMAGE as failure:
         raise _unreadable(path, failure) from failure
     finally:
         database.close()
@@ -56,7 +59,7 @@ def _opened(path: Path) -> apsw.Connection:
     try:
         address = f"file:{quote(str(path.absolute()))}?mode=ro{'&immutable=1' if finished else ''}"
         return apsw.Connection(address, flags=apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI)
-    except apsw.Error as failure:
+    except _DAMAGE as failure:
         raise _unreadable(path, failure) from failure
 
 
@@ -65,7 +68,7 @@ def _topics(path: Path, database: apsw.Connection) -> dict[int, tuple[str, str, 
     try:
         rows = database.execute("SELECT id, name, type, serialization_format FROM topics").fetchall()
         database.execute("SELECT timestamp, data, topic_id FROM messages LIMIT 1").fetchall()
-    except apsw.Error as failure:
+    except _DAMAGE as failure:
         raise _unreadable(path, failure) from failure
     return {_whole(number): (str(name), str(kind), str(packing)) for number, name, kind, packing in rows}
 
@@ -74,7 +77,7 @@ def _definitions(database: apsw.Connection) -> dict[str, tuple[str, bool]]:
     """Type → (definition, whether it is IDL). Bags before ROS 2 Iron have none."""
     try:
         rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions").fetchall()
-    except apsw.Error:
+    except _DAMAGE:
         return {}
     return {str(kind): (str(definition), encoding == "ros2idl") for kind, encoding, definition in rows}
 
@@ -95,5 +98,5 @@ def _whole(value: object) -> int:
     return value if isinstance(value, int) else 0
 
 
-def _unreadable(path: Path, failure: apsw.Error) -> SourceError:
+def _unreadable(path: Path, failure: Exception) -> SourceError:
     return SourceError(f"{path} is no ROS 2 bag that can be read ({failure}); is it complete, and a rosbag2 database?")
