@@ -96,7 +96,7 @@ class Revision:
         before = self.trust(experience.treatment)
         if experience.verdict is Verdict.SUPPORTED:
             after = before + self.settings.gain * experience.weight * (1.0 - before)
-            why = f"a {_mode(experience)} result was supported: {experience.outcome!r} came"
+            why = f"{_mode(experience)} result was supported: {experience.outcome!r} came"
         elif experience.verdict is Verdict.CONTRADICTED and experience.mode == "auto":
             counts = min(1.0, self.reliability * experience.weight)
             after = before * (1.0 - self.settings.drop * counts)
@@ -210,7 +210,9 @@ class Revision:
 
 
 def _mode(experience: Experience) -> str:
-    return {"auto": "automatic", "delib": "deliberated", "fallback": "provisional"}.get(experience.mode, experience.mode)
+    return {"auto": "an automatic", "delib": "a deliberated", "fallback": "a provisional"}.get(
+        experience.mode, f"a {experience.mode}"
+    )
 
 
 def _listed(experiences: tuple[int, ...]) -> str:

@@ -107,6 +107,15 @@ def test_an_emergency_stop_is_critical_and_the_outcome_of_what_was_open() -> Non
     assert watch.labels() == [("stopped", "AGV-1/scannerDirty")]
 
 
+def test_a_vehicle_that_stands_already_does_not_stop_again() -> None:
+    watch = Watch()
+    stopped: dict[str, Value] = {"eStop": "MANUAL", "fieldViolation": False}
+    watch.send(safetyState=stopped)
+    watch.send(safetyState=stopped, errors=[error(level="FATAL")])
+    assert watch.kinds() == ["emergency_stop", "error"]
+    assert watch.labels() == []
+
+
 def test_what_happened_longer_ago_than_the_window_was_not_stopped_by_it() -> None:
     watch = Watch()
     watch.send(errors=[error()])
@@ -304,7 +313,7 @@ ROWS = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.lists(
         st.dictionaries(st.sampled_from([*message(), "headerId", "powerSupply", "velocity", "connectionState"]), ODD | ROWS),

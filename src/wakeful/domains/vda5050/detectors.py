@@ -85,15 +85,18 @@ class StateMessages(Remembering[Fleet]):
         if message is None:
             return
         vehicle = self._vehicle(message.serial)
+        halted = bool(vehicle.fields.get("stopped")) or vehicle.fields.get("worst") == LEVELS[-1]
         heard = stream.look(message, vehicle.stream, observation.at_ns, self._silence_ns)
         signs = list(heard.signs)
         if not heard.stale:
             signs += errors.look(message, vehicle.errors, observation.at_ns)
             signs += watch.look(message, vehicle.watched, self._limits, observation.at_ns)
             _describe(vehicle, message)
-        yield from self._told(message.serial, vehicle, signs, observation)
+        yield from self._told(message.serial, vehicle, signs, observation, halted)
 
-    def _told(self, serial: str, vehicle: Vehicle, signs: list[Sign], observation: Observation) -> Iterator[Seen]:
+    def _told(
+        self, serial: str, vehicle: Vehicle, signs: list[Sign], observation: Observation, halted: bool = False
+    ) -> Iterator[Seen]:
         at_ns = observation.at_ns
         for sign in signs:
             entity = _entity(serial, sign)
@@ -101,7 +104,7 @@ class StateMessages(Remembering[Fleet]):
                 yield Shown(label="cleared", entity=entity)
             elif sign.rose:
                 yield Shown(label="escalated", entity=entity)
-        stops = {_entity(serial, sign) for sign in signs if sign.stops}
+        stops = set() if halted else {_entity(serial, sign) for sign in signs if sign.stops}
         if stops:
             yield from (
                 Shown(label="stopped", entity=entity)
