@@ -26,7 +26,7 @@ every_treatment = pytest.mark.parametrize("treatment", BUILT_IN, ids=lambda each
 
 
 @every_treatment
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     event=events, domain=domains, remembered=episodes, prior=priors, value=st.sampled_from((b"75.5", b'{"current_a": 9}', b'"x"'))
 )

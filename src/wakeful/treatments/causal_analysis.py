@@ -15,7 +15,7 @@ from wakeful.treatments.causal_graph import Arrow, arrows_of, chains, confounder
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
-from wakeful.treatments.remembering import age_s, of_kind
+from wakeful.treatments.remembering import NOTHING_RECALLED, Recalled, age_s, of_kind
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import brief, percent, span, subject
 
@@ -95,10 +95,10 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     arrows = arrows_of(mind.domain)
     ways = list(chains(arrows, event.kind, settings.depth_deliberating if deep else settings.depth))
     wanted = list(dict.fromkeys(way[-1].cause for way in ways))[: settings.kinds_deliberating if deep else settings.kinds]
-    seen: dict[str, tuple[Episode, ...]] = {}
+    seen: dict[str, Recalled] = {}
     for kind in wanted:
         seen[kind] = await of_kind(event, mind, kind, settings.episodes)
-    effects = await of_kind(event, mind, event.kind, settings.episodes) if wanted else ()
+    effects = await of_kind(event, mind, event.kind, settings.episodes) if wanted else NOTHING_RECALLED
     await mind.work(2 if deep else 1)
 
     found = [
@@ -111,7 +111,7 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     other = prod(1.0 - candidate.score for candidate in candidates)
     leads = {arrow.effect: significant(arrow.strength) for arrow in reversed(out_of(arrows, event.kind))}
     voices = [
-        recalled_voice(mind.domain, effects),
+        recalled_voice(mind.domain, effects.episodes),
         model_voice(mind.domain, "causal graph", leads, settings.arrow_cases),
     ]
     forecast = pooled(mind, event, voices)
@@ -125,7 +125,7 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
             *(f"event {candidate.event}" for candidate in candidates),
             *forecast_reasons(mind, voices),
         ),
-        would_change=(question, *(f"an earlier {kind.replace('_', ' ')}" for kind in wanted if not seen[kind])),
+        would_change=(question, *(f"an earlier {kind.replace('_', ' ')}" for kind in wanted if not seen[kind].episodes)),
         forecast=forecast,
         candidates=candidates,
         other=significant(other),
@@ -135,9 +135,10 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     )
 
 
-def _in_time(event: Event, way: tuple[Arrow, ...], seen: Mapping[str, tuple[Episode, ...]]) -> list[Episode]:
+def _in_time(event: Event, way: tuple[Arrow, ...], seen: Mapping[str, Recalled]) -> list[Episode]:
     window_s = sum(arrow.within_s for arrow in way)
-    return [episode for episode in seen.get(way[-1].cause, ()) if 0.0 < age_s(event, episode) <= window_s]
+    earlier = seen.get(way[-1].cause, NOTHING_RECALLED).episodes
+    return [episode for episode in earlier if 0.0 < age_s(event, episode) <= window_s]
 
 
 def _candidate(
@@ -145,8 +146,8 @@ def _candidate(
     way: tuple[Arrow, ...],
     episode: Episode,
     arrows: Sequence[Arrow],
-    seen: Mapping[str, tuple[Episode, ...]],
-    effects: Sequence[Episode],
+    seen: Mapping[str, Recalled],
+    effects: Recalled,
     settings: CausalSettings,
 ) -> Candidate:
     before_s = age_s(event, episode)
@@ -172,15 +173,18 @@ def _effect(
     event: Event,
     arrow: Arrow,
     arrows: Sequence[Arrow],
-    seen: Mapping[str, tuple[Episode, ...]],
-    effects: Sequence[Episode],
+    seen: Mapping[str, Recalled],
+    effects: Recalled,
     settings: CausalSettings,
 ) -> Effect:
     """The arrow's strength after what was recalled, and the probability of necessity where it is identified."""
-    causes = [age_s(event, episode) for episode in seen.get(arrow.cause, ())]
-    followers = seen.get(arrow.effect, ()) if arrow.effect != event.kind else effects
+    before = seen.get(arrow.cause, NOTHING_RECALLED)
+    after = seen.get(arrow.effect, NOTHING_RECALLED) if arrow.effect != event.kind else effects
+    # beyond what both recalls reach, a cause would seem to have had no effect, or an effect no cause
+    reach_s = min(before.reach_s, after.reach_s)
+    causes = [at for at in (age_s(event, episode) for episode in before.episodes) if at <= reach_s]
+    times = [at for at in (age_s(event, episode) for episode in after.episodes) if at <= reach_s]
     # this event is no case of its own: it is what is to be explained
-    times = [age_s(event, episode) for episode in followers]
     past = [at for at in causes if at > arrow.within_s]
     followed = sum(1 for at in past if any(0.0 < at - then <= arrow.within_s for then in times))
     belief = Belief.of(arrow.strength, settings.arrow_cases).after(followed, len(past) - followed)

@@ -14,7 +14,7 @@ from wakeful.treatments.change import change_point, cliffs_delta, robust_z
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import number, numbers, plain, significant
-from wakeful.treatments.remembering import age_s, newest_first, of_entity, of_kind, typical
+from wakeful.treatments.remembering import age_s, of_entity, of_kind, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import bare, brief, span, subject, valued
 
@@ -78,7 +78,7 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
     own = [e for e in await of_entity(event, mind, settings.deliberating if more else settings.past) if age_s(event, e) >= 0.0]
     found = await of_kind(event, mind, event.kind, settings.deliberating if more else settings.peers)
     await mind.work(1)
-    peers = [episode for episode in newest_first(found) if episode.entity != event.entity and age_s(event, episode) >= 0.0]
+    peers = [episode for episode in found.episodes if episode.entity != event.entity and age_s(event, episode) >= 0.0]
 
     rows = sorted((_row(event, name, own, peers, settings) for name in event.fields), key=_strangest)
     unusual = tuple(row.name for row in rows if row.unusual)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import inf
 from statistics import median
+from typing import NamedTuple
 
 from wakeful.contracts.treatment import Mind
 from wakeful.facts.asking import Episode, Query
@@ -38,6 +40,16 @@ class Difference(Fact, frozen=True):
     """How many sightings in a row, back from the last, had the old value."""
 
 
+class Recalled(NamedTuple):
+    """Episodes, newest first, and how far back nothing of their kind is missing."""
+
+    episodes: tuple[Episode, ...]
+    reach_s: float
+
+
+NOTHING_RECALLED = Recalled((), inf)
+
+
 async def similar(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]:
     """Recall the cases most like this event, never the event itself."""
     found = await mind.recall(Query(event=event.id, limit=limit))
@@ -56,12 +68,13 @@ async def of_robot(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]:
     return newest_first(episode for episode in found if episode.event != event.id and _same_robot(event, episode))
 
 
-async def of_kind(event: Event, mind: Mind, kind: str, limit: int) -> tuple[Episode, ...]:
-    """Recall events of one kind, newest first, never the event itself."""
+async def of_kind(event: Event, mind: Mind, kind: str, limit: int) -> Recalled:
+    """Recall events of one kind and of the event's robot, never the event itself."""
     found = await mind.recall(Query(kind=kind, limit=limit))
-    return newest_first(
-        episode for episode in found if episode.event != event.id and episode.kind == kind and _same_robot(event, episode)
-    )
+    kept = newest_first(e for e in found if e.event != event.id and e.kind == kind and _same_robot(event, e))
+    # a recall that is full may have left older ones out
+    reach_s = inf if len(found) < limit else max(age_s(event, episode) for episode in found)
+    return Recalled(kept, reach_s)
 
 
 def _same_robot(event: Event, episode: Episode) -> bool:

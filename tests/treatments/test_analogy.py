@@ -1,0 +1,48 @@
+import pytest
+
+from tests.treatments.worlds import DOMAIN, episode, event, script
+from wakeful.facts.asking import Episode
+from wakeful.testing import ScriptedMind
+from wakeful.treatments.analogy import Analogy, analogy
+
+
+def likened(*episodes: Episode, mode: str = "fallback", **fields: object) -> Analogy:
+    result = ScriptedMind(DOMAIN, mode, script(*episodes)).run(analogy, event("object", "thing", **fields))  # type: ignore[arg-type]
+    assert isinstance(result, Analogy)
+    return result
+
+
+def test_what_is_shared_transfers_and_what_is_not_does_not() -> None:
+    case = episode("a", 10.0, entity="pump 2", treatment="diagnosis", state="hot", load=0.9, colour="red")
+    result = likened(case, state="hot", load=0.1)
+    assert result.transfers == ("state",)
+    assert result.does_not_transfer == ("load", "colour")
+    assert "shares state, but not load, colour" in result.says
+
+
+def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_count_against_it() -> None:
+    good = [episode(f"g{at}", 10.0, treatment="diagnosis", verdict="supported", outcome="stop", state="hot") for at in range(2)]
+    bad = [episode(f"b{at}", 10.0, treatment="planning", verdict="contradicted", outcome="none", state="hot") for at in range(4)]
+    result = likened(*good, *bad, state="hot")
+    assert result.treat_as == "diagnosis"
+    assert result.wrong == pytest.approx((0.6 + 4 * 0.9) / (2.0 + 6 * 0.9), abs=1e-3)
+    assert result.wrong_low < result.wrong < result.wrong_high
+
+
+def test_a_case_that_shares_no_attribute_carries_nothing() -> None:
+    result = likened(episode("a", 10.0, likeness=1.0, treatment="planning", state="cold"), state="hot")
+    assert result.treat_as == ""
+    assert "is like nothing known; the nearest of 1 is worth 0 of 1" in result.says
+    assert result.confidence <= 0.1
+
+
+def test_analogy_never_recommends_itself() -> None:
+    case = episode("a", 10.0, treatment="analogy", verdict="supported", state="hot")
+    assert likened(case, state="hot").treat_as == ""
+
+
+def test_the_nearer_case_is_worth_more() -> None:
+    near = episode("n", 10.0, likeness=0.9, state="hot", load=0.5)
+    far = episode("f", 10.0, likeness=0.9, state="hot", load=0.0)
+    result = likened(far, near, state="hot", load=0.5)
+    assert [case.event for case in result.cases] == ["n", "f"]
