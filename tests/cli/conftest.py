@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -16,10 +16,10 @@ from wakeful.journal.sqlite import open_journal
 Wakeful = Callable[..., Result]
 
 
-def written(lines: list[Line], path: Path) -> Path:
+def written(lines: list[Line], path: Path, blobs: Mapping[str, bytes] | None = None) -> Path:
     """The lines as a journal file."""
     with open_journal(path) as journal:
-        journal.commit(lines, {}, {})
+        journal.commit(lines, {}, blobs or {})
     return path
 
 
@@ -30,7 +30,7 @@ def book() -> Book:
 
 @pytest.fixture
 def journal(book: Book, tmp_path: Path) -> Path:
-    return written(list(book.lines()), tmp_path / "journal.db")
+    return written(list(book.lines()), tmp_path / "journal.db", book.blobs)
 
 
 @pytest.fixture

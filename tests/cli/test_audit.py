@@ -28,6 +28,7 @@ def test_a_sound_journal_passes_with_one_line_per_check(wakeful: Wakeful, journa
         "repeats",
         "verdicts",
         "lineage",
+        "weights",
     ]
     assert "nothing was ignored" in lines[-1]
 
@@ -35,7 +36,7 @@ def test_a_sound_journal_passes_with_one_line_per_check(wakeful: Wakeful, journa
 def test_a_broken_journal_ends_with_one_and_the_first_offending_line(wakeful: Wakeful, book: Book, tmp_path: Path) -> None:
     lines = list(book.lines())
     index = first(lines, Refused)
-    path = written(changed(lines, index, reason=""), tmp_path / "broken.db")
+    path = written(changed(lines, index, reason=""), tmp_path / "broken.db", book.blobs)
     result = wakeful("audit", "--journal", path)
     assert result.exit_code == 1
     assert result.stdout.splitlines()[-1].startswith(f"first offending line: {index + 1} (refused)")

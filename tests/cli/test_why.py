@@ -64,3 +64,20 @@ def test_text_from_the_world_cannot_steer_the_terminal(wakeful: Wakeful, tmp_pat
     path = written(list(book.lines()), tmp_path / "hostile.db")
     for arguments in (("why", book.event_of(process)), ("events",), ("processes", "--all")):
         assert not {"\x1b", "\x07"} & set(wakeful(*arguments, "--journal", path).stdout)
+
+
+def test_a_sample_is_drawn_by_its_seed(wakeful: Wakeful, journal: Path) -> None:
+    first, again, other = (
+        [
+            told["event"]["id"]
+            for told in json.loads(wakeful("why", "--sample", 3, "--seed", seed, "--journal", journal, "--json").stdout)
+        ]
+        for seed in (0, 0, 1)
+    )
+    assert first == again != other
+    assert len(first) == 3
+    assert wakeful("why", "--sample", 3, "--journal", journal).stdout.count("\nDecision\n") >= 3
+
+
+def test_an_event_and_a_sample_exclude_each_other(wakeful: Wakeful, journal: Path) -> None:
+    assert wakeful("why", "abc", "--sample", 3, "--journal", journal).exit_code == 2

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from hashlib import blake2b
 
 import msgspec
 
+from wakeful.contracts.journal import JournalError
 from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Candidate, Decision, Gate, Mode
 from wakeful.facts.events import Criticality, Event, event_id
@@ -51,6 +53,7 @@ class Book:
 
     def __init__(self, source: str = "arm.xlsx", domain: str = "arm") -> None:
         self.written: list[Line] = []
+        self.blobs: dict[str, bytes] = {}
         self.now_s = 0.0
         self._states: dict[int, State] = {}
         self._events: dict[int, str] = {}
@@ -61,6 +64,13 @@ class Book:
     def lines(self, after: int = 0) -> Iterator[Line]:
         """The Readable protocol."""
         return iter(self.written[after:])
+
+    def blob(self, name: str) -> bytes:
+        """The Journal protocol."""
+        try:
+            return self.blobs[name]
+        except KeyError:
+            raise JournalError(f"there is no blob {name}") from None
 
     def write(self, record: AnyRecord) -> AnyRecord:
         """Append any record at the present instant."""
@@ -236,13 +246,16 @@ class Book:
             )
         )
         self.wait(2)
+        weights = f"weights of version {version}".encode()
+        name = blake2b(weights, digest_size=16).hexdigest()
+        self.blobs[name] = weights
         card = ModelCard(
             version=version,
             base=base,
             watermark=self._experiences,
             seed=training,
             epochs=5,
-            blob=f"w{version}",
+            blob=name,
             accepted=accepted,
         )
         self.write(Published(training=training, card=card))

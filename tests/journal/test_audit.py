@@ -333,6 +333,20 @@ def test_the_first_offender_of_the_report_stands_first_in_the_journal() -> None:
     assert offender.record == "refused"
 
 
+def test_weights_that_are_lost_or_altered_are_found() -> None:
+    book = full_book()
+    assert audit(book).checks["weights"].checked == 1
+    name = next(iter(book.blobs))
+    book.blobs[name] = b"altered"
+    assert "not those" in str(audit(book).checks["weights"].first_offender)
+    del book.blobs[name]
+    assert "cannot be loaded" in str(audit(book).checks["weights"].first_offender)
+
+
+def test_lines_without_a_journal_are_audited_without_their_weights() -> None:
+    assert "weights" not in audit(Pages(list(full_book().lines()))).checks
+
+
 def _restarted(second_value: object) -> Book:
     book = Book()
     process = book.admit()

@@ -12,7 +12,7 @@ from types import FrameType
 
 import click
 
-from wakeful.cli.words import duration
+from wakeful.cli.words import count, duration
 
 _EVERY_S = 0.1
 _BAR = 24
@@ -83,7 +83,7 @@ class Progress:
             filled = "█" * round(share * _BAR)
             text = f"{filled.ljust(_BAR, '░')} {share:4.0%}  {done:,} of {self._total:,} items, {events:,} events{left}"
         else:
-            text = f"{done:,} items, {events:,} events, {duration(elapsed_s)}"
+            text = f"{count(done, 'item')}, {count(events, 'event')}, {duration(elapsed_s)}"
         click.echo(f"\r\x1b[K{text}", nl=False, err=True)
 
     def clear(self) -> None:

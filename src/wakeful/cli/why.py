@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from random import Random
 
 import click
 
 from wakeful.cli.mistakes import Mistake
-from wakeful.cli.options import journal_option, json_option, print_json, reading
+from wakeful.cli.options import journal_option, json_option, option, print_json, reading
 from wakeful.cli.outcome import print_result, print_since
 from wakeful.cli.reasons import print_decisions
-from wakeful.cli.terminal import heading, paragraph, row, say
+from wakeful.cli.terminal import heading, paragraph, row, say, width
 from wakeful.cli.thinking import print_thinking
 from wakeful.cli.words import count, duration, instant
 from wakeful.facts.time import to_s
@@ -18,32 +19,50 @@ from wakeful.facts.values import Field, Value
 from wakeful.journal.results import in_words
 from wakeful.journal.sqlite import SqliteJournal
 from wakeful.journal.story import ProcessStory
-from wakeful.journal.views import History, NoSuchEvent, Story, find_event, history, story
+from wakeful.journal.views import EventPast, History, NoSuchEvent, Story, find_event, history, story
 
 _CRITICALITY = ("routine", "notable", "urgent", "critical")
 
 
 @click.command("why")
-@click.argument("event")
+@click.argument("event", required=False)
 @journal_option
+@option("--sample", type=click.IntRange(min=1), default=None, help="In place of an event: so many, drawn at random.")
+@option("--seed", type=int, default=0, show_default=True, help="The same seed draws the same events.")
 @json_option
-def why_command(event: str, journal: Path | None, as_json: bool) -> None:
+def why_command(event: str | None, journal: Path | None, sample: int | None, seed: int, as_json: bool) -> None:
     """Tell the story of one event, by its id or the beginning of it.
 
     Candidates with their probabilities, the numbers that were compared, reasons, what it rests on, what was asked and
     answered, the result in words, and what the world showed since.
     """
+    if (event is None) == (sample is None):
+        raise click.UsageError("name one event, by its id or the beginning of it, or give --sample N")
     with reading(journal) as opened:
         read = history(opened)
-        try:
-            told = story(read, find_event(read, event))
-        except NoSuchEvent as error:
-            near = f"; close are {', '.join(error.close)}" if error.close else ""
-            raise Mistake(f"{error}{near}; 'wakeful events' lists them") from None
+        found = _sample(read, sample, seed) if sample is not None else [_named(read, event or "")]
+        stories = [story(read, past) for past in found]
         if as_json:
-            print_json(told)
-        else:
+            print_json(stories[0] if sample is None else stories)
+            return
+        for index, told in enumerate(stories):
+            if index:
+                heading("─" * width())
+                say()
             print_story(opened, read, told)
+
+
+def _named(read: History, event: str) -> EventPast:
+    try:
+        return find_event(read, event)
+    except NoSuchEvent as error:
+        near = f"; close are {', '.join(error.close)}" if error.close else ""
+        raise Mistake(f"{error}{near}; 'wakeful events' lists them") from None
+
+
+def _sample(read: History, sample: int, seed: int) -> list[EventPast]:
+    drawn = Random(seed).sample(sorted(read.events), min(sample, len(read.events)))
+    return sorted((read.events[identity] for identity in drawn), key=lambda past: past.position)
 
 
 def print_story(journal: SqliteJournal, read: History, told: Story) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Protocol, runtime_checkable
+
 from wakeful.facts.lines import Line
 from wakeful.journal.checks.check import Check, Offence
 from wakeful.journal.checks.intake import Abandoned, Conservation, Coverage
-from wakeful.journal.checks.learned import Lineage, Verdicts
+from wakeful.journal.checks.learned import Lineage, Verdicts, Weights
 from wakeful.journal.checks.order import Positions, Time
 from wakeful.journal.checks.processes import Results, Transitions, Wakeups
 from wakeful.journal.checks.requests import Answers, Repeats
@@ -26,6 +28,13 @@ CHECKS: tuple[type[Check], ...] = (
     Verdicts,
     Lineage,
 )
+
+
+@runtime_checkable
+class _WithBlobs(Protocol):
+    """A journal that keeps weights beside its lines, as every Journal does; a bare sequence of lines has none."""
+
+    def blob(self, name: str) -> bytes: ...
 
 
 class Finding(View, frozen=True):
@@ -64,6 +73,8 @@ def audit(journal: Readable) -> Audit:
         the report. Nothing is raised on a journal that is wrong: that is what the report is for.
     """
     checks = [make() for make in CHECKS]
+    if isinstance(journal, _WithBlobs):
+        checks.append(Weights(journal.blob))
     last: Line | None = None
     lines = 0
     for line in journal.lines():

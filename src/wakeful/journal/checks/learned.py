@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from hashlib import blake2b
+
+from wakeful.contracts.journal import JournalError
 from wakeful.facts.experience import Verdict
 from wakeful.facts.lines import Concluded, Decided, Gained, Judged, Line, Published, TrainingAsked, Witnessed
 from wakeful.journal.checks.check import Check
@@ -57,6 +61,36 @@ class Verdicts(Check):
             self.offend(line, f"experience {experience.id} comes from process {experience.process}, which was never judged")
         elif (experience.predicted, experience.outcome, experience.verdict) not in judged:
             self.offend(line, f"experience {experience.id} differs from the verdict on process {experience.process}")
+
+
+class Weights(Check):
+    """The weights of every accepted version are there, and are what their digest says: decisions can be made again.
+
+    Args:
+        blob: the journal's blobs by name; raises JournalError where there is none.
+    """
+
+    name = "weights"
+    says = "the weights of every accepted version are there, and are those that its card names"
+
+    def __init__(self, blob: Callable[[str], bytes]) -> None:
+        super().__init__()
+        self._blob = blob
+
+    def see(self, line: Line) -> None:
+        """Look up what a card names."""
+        record = line.record
+        if not isinstance(record, Published) or not record.card.accepted:
+            return
+        self.checked += 1
+        card = record.card
+        try:
+            weights = self._blob(card.blob)
+        except JournalError as error:
+            self.offend(line, f"version {card.version} cannot be loaded: {error}")
+            return
+        if blake2b(weights, digest_size=len(card.blob) // 2 or 1).hexdigest() != card.blob:
+            self.offend(line, f"the weights of version {card.version} are not those that its card names")
 
 
 class Lineage(Check):
