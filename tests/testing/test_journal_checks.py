@@ -1,0 +1,57 @@
+from collections.abc import Callable, Mapping, Sequence
+
+import pytest
+
+from wakeful.contracts.journal import Journal, JournalError
+from wakeful.facts.lines import Line
+from wakeful.journal.memory import MemoryJournal
+from wakeful.testing import ContractBroken, check_journal
+
+
+class Careful(MemoryJournal):
+    """Looks at every position, not only at the first."""
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        wanted = range(self.last + 1, self.last + 1 + len(lines))
+        if [line.position for line in lines] != list(wanted):
+            raise JournalError("positions")
+        super().commit(lines, state, blobs)
+
+
+class Careless(MemoryJournal):
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        self._lines.extend(lines)
+        super().commit((), state, blobs)
+
+
+class Hasty(Careful):
+    """Keeps the blobs of a commit that it refuses."""
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        super().commit((), {}, blobs)
+        super().commit(lines, state, {})
+
+
+class Clinging(Careful):
+    """Never deletes state."""
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        super().commit(lines, {key: value for key, value in state.items() if value is not None}, blobs)
+
+
+def test_a_journal_that_keeps_its_contract_passes() -> None:
+    check_journal(Careful, durable=False)
+
+
+@pytest.mark.parametrize(
+    ("make", "durable", "why"),
+    [
+        (Careless, False, "do not follow"),
+        (Hasty, False, "no blob 'lost'"),
+        (Clinging, False, "the state is"),
+        (Careful, True, "come back as they were committed"),
+    ],
+)
+def test_a_journal_that_breaks_its_contract_is_caught(make: Callable[[], Journal], durable: bool, why: str) -> None:
+    with pytest.raises(ContractBroken, match=why):
+        check_journal(make, durable)
