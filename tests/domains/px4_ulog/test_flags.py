@@ -24,7 +24,8 @@ def test_a_flag_that_the_mode_needs_is_raised_at_arming_though_it_was_on_before(
     assert watch.seen == []
     watch.see(1.0, "vehicle_status", **ARMED)
     watch.see(1.1, "failsafe_flags", global_position_invalid=1, mode_req_global_position=1 << 3)
-    watch.see(2.1, "failsafe_flags", global_position_invalid=0, mode_req_global_position=1 << 3)
+    for at_s in (2.1, 3.1, 4.2):
+        watch.see(at_s, "failsafe_flags", global_position_invalid=0, mode_req_global_position=1 << 3)
     assert watch.phases() == [Phase.RAISED, Phase.CLEARED]
     assert watch.found()[0].fields["needed"] is True
     assert watch.shown == [("recovered", "estimator")]
@@ -32,7 +33,7 @@ def test_a_flag_that_the_mode_needs_is_raised_at_arming_though_it_was_on_before(
 
 def test_old_and_new_names_of_a_flag_are_one_flag() -> None:
     old, new = Watch(Flags), Watch(Flags)
-    for at_s, lost in [(0.0, 0), (1.0, 1), (2.0, 1), (3.0, 0)]:
+    for at_s, lost in [(0.0, 0), (1.0, 1), (2.0, 1), (3.0, 0), (6.0, 0)]:
         old.see(at_s, "vehicle_status", **ARMED, rc_signal_lost=lost)
         new.see(at_s, "vehicle_status", **ARMED)
         new.see(at_s, "failsafe_flags", manual_control_signal_lost=lost)
@@ -65,3 +66,11 @@ def test_a_motor_failure_is_a_fault() -> None:
     watch.see(0.0, "failure_detector_status", fd_motor=0)
     watch.see(1.0, "failure_detector_status", fd_motor=1)
     assert watch.shown == [("fault", "*")]
+
+
+def test_a_flag_that_flickers_is_one_condition() -> None:
+    watch = Watch(Flags)
+    watch.see(0.0, "vehicle_status", **ARMED)
+    for tick in range(100):
+        watch.see(tick / 2, "failsafe_flags", manual_control_signal_lost=tick % 2)
+    assert watch.phases() == [Phase.RAISED]

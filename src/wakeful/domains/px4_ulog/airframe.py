@@ -18,8 +18,11 @@ from wakeful.facts.time import to_ns
 VIBRATION_M_S2 = (4.905, 9.81)
 """accel_vibration_metric that Flight Review marks as high and as critical (PX4 docs, log analysis)."""
 
-UNMET = (0.15, 0.4)
+UNMET = (0.2, 0.5)
 """Share of full torque or thrust that control allocation could not give: notable, and close to losing control."""
+
+_CLEAR_NS = to_ns(20.0)
+"""What comes and goes with every gust is one condition."""
 
 
 class _Memory(msgspec.Struct):
@@ -72,7 +75,9 @@ class Airframe(Remembering[_Memory]):
     def _motors(self, observation: Observation) -> Iterator[Seen]:
         outputs = [one for one in series(observation.values, "control") if one is not None]
         if outputs:
-            most = max(outputs) if self.memory.flight.airborne else 0.0
+            flight = self.memory.flight
+            # A fixed wing climbs at full throttle as a matter of course; a multirotor at its limit cannot hold its attitude.
+            most = max(outputs) if flight.airborne and not flight.fixed_wing else 0.0
             said = f"motor {outputs.index(max(outputs)) + 1} runs at {max(outputs):.0%}"
             yield from self._lasting("saturation", "motors", most, (0.98, 2.0), observation.at_ns, said, hold_s=0.5)
 
@@ -81,7 +86,7 @@ class Airframe(Remembering[_Memory]):
     ) -> Iterator[Seen]:
         latch = self.memory.latches.setdefault(f"{kind} {entity}", Latch())
         level = sum(value >= limit for limit in limits)
-        phase = latch.see(level, at_ns, to_ns(hold_s), to_ns(5.0))
+        phase = latch.see(level, at_ns, to_ns(hold_s), _CLEAR_NS)
         if phase is None:
             return
         over = phase is Phase.CLEARED

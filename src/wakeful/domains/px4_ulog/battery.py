@@ -38,13 +38,13 @@ class Batteries(Remembering[_Memory]):
     """Two lasting conditions of each connected battery.
 
     ``battery_low`` follows ``warning``, and where the firmware doesn't warn, ``remaining`` below 25, 15 and 7 % (PX4's defaults
-    are 15, 7 and 5: here it is noticed before PX4 acts). ``voltage_sag`` is a voltage per cell that falls by ``sag_v`` (0.25 V)
-    below its own slow average (20 s) or under 3.4 V: a weak, cold or overloaded battery.
+    are 15, 7 and 5: here it is noticed before PX4 acts). ``voltage_sag`` is a voltage per cell that falls by ``sag_v`` (0.35 V)
+    below its own slow average (20 s) or under 3.4 V for a second: a weak, cold or overloaded battery.
     """
 
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:  # noqa: ARG002 (the factory's signature)
         super().__init__(_Memory())
-        self._sag_v = number(spec.settings, "sag_v") or 0.25
+        self._sag_v = number(spec.settings, "sag_v") or 0.35
 
     def observe(self, observation: Observation) -> Iterator[Seen]:
         """Look at one battery's status."""
@@ -80,7 +80,7 @@ class Batteries(Remembering[_Memory]):
         rest_v = battery.rest_v if battery.rest_v is not None else cell_v
         fallen_v = rest_v - cell_v
         level = 2 if cell_v < 3.2 or fallen_v >= 2 * self._sag_v else 1 if cell_v < 3.4 or fallen_v >= self._sag_v else 0
-        if phase := battery.sag.see(level, at_ns, hold_ns=to_ns(0.3), clear_ns=to_ns(5.0)):
+        if phase := battery.sag.see(level, at_ns, hold_ns=to_ns(1.0), clear_ns=to_ns(10.0)):
             if phase is Phase.CLEARED:
                 yield Shown(label="recovered", entity=entity)
             says = (

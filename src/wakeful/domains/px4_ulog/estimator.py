@@ -61,7 +61,7 @@ STATES: Mapping[str, str] = {
 }
 """Fields of estimator_status_flags that say that the filter runs on less than it should."""
 
-_HOLD_NS, _CLEAR_NS = to_ns(0.5), to_ns(5.0)
+_HOLD_NS, _CLEAR_NS = to_ns(0.5), to_ns(10.0)
 
 
 class _Filter(msgspec.Struct):
@@ -72,13 +72,16 @@ class _Filter(msgspec.Struct):
 class _Memory(msgspec.Struct):
     flight: Flight = msgspec.field(default_factory=Flight)
     filters: dict[str, _Filter] = {}
+    first: dict[str, str] = {}
+    """Of each open condition the instance that showed it first."""
 
 
 class Estimators(Remembering[_Memory]):
     """Lasting conditions of each filter instance.
 
     ``innovation`` (level 1 above 0.5, level 2 above 1, held for 0.5 s) for each test ratio; ``estimator_fault`` for numerical
-    faults; ``estimator_degraded`` for what makes it run on less than it should. A fault shows the outcome ``fault``.
+    faults; ``estimator_degraded`` for what makes it run on less than it should. What several instances show at the same time is
+    the first one's condition, the others are evidence for it. A fault shows the outcome ``fault``.
     """
 
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:  # noqa: ARG002 (the factory's signature)
@@ -104,8 +107,10 @@ class Estimators(Remembering[_Memory]):
             ratio = number(observation.values, field)
             if ratio is None:
                 continue
-            level = 2 if ratio >= self._reject else 1 if ratio >= self._warn else 0
             latch = self._latch(entity, field)
+            level = 2 if ratio >= self._reject else 1 if ratio >= self._warn else 0
+            # once raised it is over only well below the limit: ratios hover about it
+            level = min(1, latch.level) if level == 0 and ratio >= 0.7 * self._warn else level
             phase = latch.see(level, observation.at_ns, _HOLD_NS, _CLEAR_NS)
             if phase is None:
                 continue
@@ -147,7 +152,15 @@ class Estimators(Remembering[_Memory]):
     def _condition(
         self, phase: Phase, kind: str, entity: str, what: str, level: int, said: str, ratio: float | None = None
     ) -> Iterator[Seen]:
-        if phase is Phase.CLEARED:
+        first = self.memory.first
+        owner = first.get(f"{kind} {what}", "")
+        if phase is Phase.CLEARED and owner != entity:
+            return
+        owner = first.setdefault(f"{kind} {what}", entity)
+        if owner != entity:
+            phase, said = Phase.REPEATED, f"{said} (as {owner} showed before)"
+        elif phase is Phase.CLEARED:
+            del first[f"{kind} {what}"]
             yield Shown(label="recovered", entity=entity)
         flight = self.memory.flight
         yield Found(
@@ -164,7 +177,7 @@ class Estimators(Remembering[_Memory]):
             deadline_s=5.0 if flight.airborne and level >= 2 else None,
             phase=phase,
             type=kind,
-            references=(entity, what),
+            references=(owner, what),
             task=flight.mode,
             safety=bool(flight.armed),
         )

@@ -7,20 +7,25 @@ from collections.abc import Iterator
 import msgspec
 
 from wakeful.contracts.detector import Found, Shown
+from wakeful.domains.latch import Latch
 from wakeful.domains.plain import flag, whole
 from wakeful.domains.px4_ulog.flag_names import KINDS, TOPICS, FlagKind, flag_name, kind_of
 from wakeful.domains.px4_ulog.flight import Flight
 from wakeful.domains.remembering import Remembering, Seen
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
+from wakeful.facts.time import to_ns
 
 _FATAL = frozenset(name for name, kind in KINDS.items() if name.startswith("fd_") or kind.entity == "motors")
+
+_CLEAR_NS = to_ns(2.0)
+"""A flag that flickers is one condition."""
 
 
 class _Memory(msgspec.Struct):
     flight: Flight = msgspec.field(default_factory=Flight)
     bad: dict[str, bool] = {}
-    raised: dict[str, bool] = {}
+    raised: dict[str, Latch] = {}
     early: dict[str, bool] = {}
     """Flags that have been bad ever since the first look."""
     masks: dict[str, int] = {}
@@ -60,7 +65,7 @@ class Flags(Remembering[_Memory]):
             if named is None or (on := flag(values, field)) is None:
                 continue
             if memory.owner.setdefault(named[0], observation.topic) == observation.topic:
-                yield from self._flag(named[0], on is named[1])
+                yield from self._flag(named[0], on is named[1], observation.at_ns)
 
     def _failsafe(self, on: bool | None) -> Iterator[Seen]:
         memory = self.memory
@@ -82,20 +87,20 @@ class Flags(Remembering[_Memory]):
             safety=True,
         )
 
-    def _flag(self, name: str, bad: bool) -> Iterator[Seen]:
+    def _flag(self, name: str, bad: bool, at_ns: int) -> Iterator[Seen]:
         memory, kind = self.memory, kind_of(name)
         before = memory.bad.get(name)
         memory.bad[name] = bad
         needed = self._needed(kind)
-        raised = memory.raised.get(name, False)
         memory.early[name] = before is None or (memory.early.get(name, False) and bad)
-        if bad and not raised and (before is False or (needed and memory.flight.armed)):
-            memory.raised[name] = True
+        latch = memory.raised.setdefault(name, Latch())
+        counts = bad and (latch.level > 0 or before is False or not memory.early[name] or (needed and bool(memory.flight.armed)))
+        phase = latch.see(int(counts), at_ns, 0, _CLEAR_NS)
+        if phase is Phase.RAISED:
             if name in _FATAL:
                 yield Shown(label="fault")
             yield self._found(name, kind, needed, Phase.RAISED, since_start=memory.early[name])
-        elif not bad and raised:
-            memory.raised[name] = False
+        elif phase is Phase.CLEARED:
             yield Shown(label="recovered", entity=kind.entity)
             yield self._found(name, kind, needed, Phase.CLEARED)
 

@@ -54,6 +54,7 @@ SAFE_MODES = frozenset({5, 8, 9, 12, 13, 18})
 """Modes that a failsafe chooses: return, land, descend, terminate."""
 
 _ARMED = frozenset({2, 3, 6})
+_FIXED_WING = 2
 
 
 def split_topic(topic: str) -> tuple[str, int]:
@@ -82,6 +83,7 @@ class Flight(msgspec.Struct):
     landed: bool | None = None
     nav: int | None = None
     wanted: int | None = None
+    fixed_wing: bool = False
 
     def see(self, observation: Observation) -> None:
         """Take up what one observation says of the vehicle's state."""
@@ -99,6 +101,8 @@ class Flight(msgspec.Struct):
     def _status(self, values: Values) -> None:
         arming, nav = whole(values, "arming_state"), whole(values, "nav_state")
         wanted = whole(values, "nav_state_user_intention")
+        kind, rotary = whole(values, "vehicle_type"), flag(values, "is_rotary_wing")
+        self.fixed_wing = kind == _FIXED_WING if kind is not None else rotary is False
         self.armed = self.armed if arming is None else arming in _ARMED
         self.nav = self.nav if nav is None else nav
         self.wanted = self.wanted if wanted is None else wanted

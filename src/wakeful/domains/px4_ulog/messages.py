@@ -24,7 +24,7 @@ _BY_NAME: Mapping[str, int] = {**{name: level for level, name in enumerate(LEVEL
 _TWIN_NS = to_ns(2.0)
 _KEPT_WORDINGS = 500
 _CHECKS = "health_and_arming_checks"
-_SAID_BY_STATE = ("Takeoff detected", "Landing detected", "Armed by", "Disarmed by")
+_OF_GROUND, _OF_ARMING = ("Takeoff detected", "Landing detected"), ("Armed by", "Disarmed by")
 """Messages on what the vehicle's state shows by itself, which is registered from there."""
 
 
@@ -88,7 +88,9 @@ class Messages(Remembering[_Memory]):
         module, words = _module(said, module)
         if (level > _WARNING and module in self._quiet_modules) or (module == _CHECKS and self.memory.reports):
             return
-        if level > _WARNING and self.memory.flight.landed is not None and words.startswith(_SAID_BY_STATE):
+        flight = self.memory.flight
+        by_ground = flight.landed is not None and words.startswith(_OF_GROUND)
+        if level > _WARNING and (by_ground or (flight.armed is not None and words.startswith(_OF_ARMING))):
             yield Offered(topic="message", key=template(words), value={"text": words, "count": 1})
             return
         wording = template(words)

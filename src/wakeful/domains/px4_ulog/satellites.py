@@ -27,11 +27,14 @@ FIXES: Mapping[int, str] = {
 }
 """vehicle_gps_position.fix_type."""
 
-_FRESH_NS = to_ns(5.0)
+_FRESH_NS, _STEADY_NS = to_ns(5.0), to_ns(5.0)
 
 
 class _Receiver(msgspec.Struct):
     fix: int | None = None
+    next_fix: int | None = None
+    next_ns: int = 0
+    """What the fix seems to become, and since when."""
     poor: Latch = msgspec.field(default_factory=Latch)
     checks: Latch = msgspec.field(default_factory=Latch)
     jammed: Latch = msgspec.field(default_factory=Latch)
@@ -81,7 +84,7 @@ class Satellites(Remembering[_Memory]):
             "satellites": None if used is None else within(used, 0.0, 60.0),
         }
         if fix is not None and 0 <= fix <= 8:
-            yield from self._fix(receiver, entity, fix, more)
+            yield from self._fix(receiver, entity, fix, at_ns, more)
         if receiver.had_fix and eph_m is not None:
             level = 2 if eph_m > 4 * self._poor_m else 1 if eph_m > self._poor_m else 0
             said = f"horizontal accuracy is {eph_m:.1f} m"
@@ -95,11 +98,20 @@ class Satellites(Remembering[_Memory]):
         level = max(spoofing - 1, 0) if spoofing is not None and 0 <= spoofing <= 3 else 0
         yield from self._lasting(receiver.spoofed, level, at_ns, "gps_spoofing", entity, "signs of spoofing", more)
 
-    def _fix(self, receiver: _Receiver, entity: str, fix: int, more: Mapping[str, float | str | None]) -> Iterator[Seen]:
-        before, receiver.fix = receiver.fix, fix
+    def _fix(
+        self, receiver: _Receiver, entity: str, fix: int, at_ns: int, more: Mapping[str, float | str | None]
+    ) -> Iterator[Seen]:
+        before = receiver.fix
         receiver.had_fix = receiver.had_fix or fix >= 3
         if before is None or FIXES.get(before) == FIXES.get(fix):
+            receiver.fix, receiver.next_fix = fix, None
             return
+        if receiver.next_fix != fix or at_ns < receiver.next_ns:
+            receiver.next_fix, receiver.next_ns = fix, at_ns
+        # RTK floats and fixes in turns; the loss of a fix is not waited for
+        if fix >= 3 and before >= 3 and at_ns - receiver.next_ns < _STEADY_NS:
+            return
+        receiver.fix, receiver.next_fix = fix, None
         worse = fix < before
         lost = worse and fix < 3 <= before
         if before < 3 <= fix:
