@@ -122,7 +122,7 @@ def test_what_weighed_most_is_recomputed_with_the_recorded_model(wakeful: Wakefu
     journal = tmp_path / "robot.db"
     wakeful("run", "service_robot", "--events", 80, "--journal", journal)
     last = json.loads(wakeful("events", "--journal", journal, "--limit", 1, "--json").stdout)[0]["id"]
-    assert "spoke, against what is typical:" in wakeful("why", last, "--journal", journal).stdout
+    assert "what weighed most for " in wakeful("why", last, "--journal", journal).stdout
 
 
 def test_ctrl_c_stops_cleanly_and_the_same_command_goes_on(

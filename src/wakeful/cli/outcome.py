@@ -12,7 +12,7 @@ from wakeful.journal.views import History, Story
 
 #: Fields of every result that are told apart from the treatment's own.
 _COMMON = {"type", "says", "confidence", "rests_on", "would_change", "forecast", "proposes"}
-_SHOWN = 6
+_SHOWN = 8
 
 
 def print_result(read: History, told: Story, process: ProcessStory) -> None:
@@ -26,7 +26,7 @@ def print_result(read: History, told: Story, process: ProcessStory) -> None:
     paragraph(str(fields.get("says", "")))
     for name, value in fields.items():
         if name not in _COMMON and value not in (None, "", [], {}):
-            _listed(name.replace("_", " "), [record_words(entry) for entry in _records(value)])
+            _listed(name.replace("_", " "), [line for entry in _records(value) for line in record_lines(entry)])
     rests_on, would_change, proposes = (fields.get(name) for name in ("rests_on", "would_change", "proposes"))
     _listed("rests on", [_ground(read, told, str(each)) for each in rests_on] if isinstance(rests_on, list) else [])
     _listed("would change it", [str(each) for each in would_change] if isinstance(would_change, list) else [])
@@ -51,6 +51,21 @@ def _records(value: Value) -> list[Value]:
     return value if isinstance(value, list) and value and all(isinstance(entry, dict) for entry in value) else [value]
 
 
+def record_lines(value: Value) -> list[str]:
+    """A record in words, and each record that it holds on a line of its own.
+
+    >>> record_lines({"name": "J3", "signs": [{"sign": "heat", "now": 71.0}, {"sign": "noise", "now": 2.0}]})
+    ['J3', '· heat: now = 71', '· noise: now = 2']
+    """
+    if not isinstance(value, dict):
+        return [record_words(value)]
+    inner = {name: each for name, each in value.items() if _records(each) is each and isinstance(each, list)}
+    outer = {name: each for name, each in value.items() if name not in inner}
+    return [record_words(outer)] * bool(outer) + [
+        f"· {record_words(entry)}" for each in inner.values() for entry in _records(each)
+    ]
+
+
 def record_words(value: Value) -> str:
     """A record of a result in words, its empty fields left out; one that begins with a name begins with that name.
 
@@ -61,9 +76,9 @@ def record_words(value: Value) -> str:
         return in_words(value)
     filled = {name.replace("_", " "): each for name, each in value.items() if each not in (None, "", [], {})}
     head = ""
-    if len(filled) > 1:
-        first = next(iter(filled))
-        head = f"{filled.pop(first)}: " if isinstance(filled[first], str) else ""
+    first = next(iter(filled), "")
+    if first and isinstance(filled[first], str):
+        head = str(filled.pop(first)) + (": " if filled else "")
     return head + "; ".join(f"{name} = {in_words(each)}" for name, each in filled.items())
 
 

@@ -48,11 +48,10 @@ def _weights(journal: SqliteJournal, read: History, told: Story, decision: Decis
     except CannotRecompute as error:
         paragraph(f"what weighed most cannot be recomputed: {error}")
         return
-    told_of = [
-        f"{each.field} = {plain(each.value)} ({each.treatment:+.2f})" for each in found[:_SHOWN] if abs(each.treatment) >= 0.005
-    ]
-    if told_of:
-        paragraph(f"for {decision.treatment} spoke, against what is typical: {', '.join(told_of)}", 2, 2)
+    strongest = sorted(found, key=lambda each: -abs(each.treatment))[:_SHOWN]
+    spoke = [f"{each.field} = {plain(each.value)} ({each.treatment:+.2f})" for each in strongest if abs(each.treatment) >= 0.005]
+    if spoke:
+        paragraph(f"what weighed most for {decision.treatment}, against what is typical: {', '.join(spoke)}", 2, 2)
 
 
 def _model(read: History, decision: Decision) -> str:

@@ -46,6 +46,7 @@ def timeline(read: History, trail: Sequence[Line]) -> list[tuple[int, str]]:
     """
     entries: list[tuple[int, str]] = []
     asked: Asked | None = None
+    preempted = False
     for index, line in enumerate(trail):
         following = trail[index + 1].record if index + 1 < len(trail) else None
         record = line.record
@@ -58,8 +59,9 @@ def timeline(read: History, trail: Sequence[Line]) -> list[tuple[int, str]]:
             late = isinstance(following, Moved) and following.trigger is Trigger.EXPIRE
             entries.append((line.at_ns, _answered(asked, record, at_once, late)))
         elif isinstance(record, Moved):
-            text = _moved(read, record)
-            if text and not (text == "went on" and entries and entries[-1][0] == line.at_ns):
+            text = _moved(read, record, preempted)
+            preempted = record.trigger in (Trigger.PREEMPT, Trigger.RESTART)
+            if text:
                 entries.append((line.at_ns, text))
     return entries
 
@@ -86,11 +88,12 @@ def _answered(asked: Asked | None, answered: Answered, at_once: bool, late: bool
     return f"gets {value or 'nothing'}"
 
 
-def _moved(read: History, moved: Moved) -> str:
+def _moved(read: History, moved: Moved, preempted: bool) -> str:
+    """A transition in words. Going on after an answer says nothing; going on after a preemption does."""
     steps = f" after {count(moved.steps, 'step')}" if moved.steps else ""
     match moved.trigger:
         case Trigger.DISPATCH:
-            return "begins to think" if moved.before is State.CREATED else "went on"
+            return "begins to think" if moved.before is State.CREATED else "goes on" if preempted else ""
         case Trigger.PREEMPT:
             return f"is preempted by {mover(read, moved.by)}{steps}"
         case Trigger.ASK | Trigger.WAKE | Trigger.EXPIRE:
