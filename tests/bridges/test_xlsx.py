@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -19,7 +20,7 @@ def test_a_sheet_is_read_with_its_columns_times_and_blanks(tmp_path: Path) -> No
     assert rows[4].values["Current_J0"] is None
     assert [row.position for row in rows if row.values["stopped"]] == [7]
     assert rows[0].values["cycle"] == 1.0
-    assert {later.at_ns - earlier.at_ns for earlier, later in zip(rows, rows[1:], strict=False)} == {1_000_000_000}
+    assert {later.at_ns - earlier.at_ns for earlier, later in pairwise(rows)} == {1_000_000_000}
 
 
 def test_a_sheets_length_and_duration_are_known_beforehand(tmp_path: Path) -> None:
@@ -91,4 +92,4 @@ def test_the_recorded_arm_is_read_row_by_row(shared_data: Path) -> None:
     assert sum(row.values["grip_lost"] is True for row in rows) == 243
     assert sum(row.values["Robot_ProtectiveStop"] is None for row in rows) == 54
     assert all(row.clock == "source" for row in rows)
-    assert all(later.at_ns > earlier.at_ns for earlier, later in zip(rows, rows[1:], strict=False))
+    assert all(later.at_ns > earlier.at_ns for earlier, later in pairwise(rows))

@@ -91,7 +91,11 @@ def _record(stream: BinaryIO) -> tuple[Fields, bytes] | None:
     if not head:
         return None
     fields = _fields(_exactly(stream, _LENGTH.unpack(head)[0]))
-    return fields, _exactly(stream, _LENGTH.unpack(_exactly(stream, _LENGTH.size))[0])
+    size = _LENGTH.unpack(_exactly(stream, _LENGTH.size))[0]
+    if fields.get(b"compression") == b"none" and size <= MAX_RECORD_BYTES:
+        # An unfinished chunk's messages are as good as any; its last one is found out to be cut when it is read.
+        return fields, stream.read(size)
+    return fields, _exactly(stream, size)
 
 
 def _exactly(stream: BinaryIO, size: int) -> bytes:

@@ -58,7 +58,10 @@ def _opened(path: Path) -> apsw.Connection:
     finished = not path.with_name(f"{path.name}-wal").exists()
     try:
         address = f"file:{quote(str(path.absolute()))}?mode=ro{'&immutable=1' if finished else ''}"
-        return apsw.Connection(address, flags=apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI)
+        database = apsw.Connection(address, flags=apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI)
+        # Opened for reading, nothing can be written; what this does is to let a file be read that is shorter than it says.
+        database.execute("PRAGMA writable_schema = ON")
+        return database
     except _DAMAGE as failure:
         raise _unreadable(path, failure) from failure
 
