@@ -15,8 +15,10 @@ from wakeful.facts.events import Phase
 ODOMETRY, TWIST, IMU = "nav_msgs/msg/Odometry", "geometry_msgs/msg/Twist", "sensor_msgs/msg/Imu"
 
 
-def _drive(watch: Watch, at_s: float, speed_mps: float, turn_radps: float = 0.0, topic: str = "/anything/odom") -> None:
-    watch.see(at_s, topic, _type=ODOMETRY, vx=speed_mps, vy=0.0, wz=turn_radps, x=0.0, y=0.0, yaw=0.0, child_frame="base_link")
+def _drive(
+    watch: Watch, at_s: float, speed_mps: float, turn_radps: float = 0.0, topic: str = "/anything/odom", child: str = "base_link"
+) -> None:
+    watch.see(at_s, topic, _type=ODOMETRY, vx=speed_mps, vy=0.0, wz=turn_radps, x=0.0, y=0.0, yaw=0.0, child_frame=child)
 
 
 def _command(watch: Watch, at_s: float, speed_mps: float, turn_radps: float = 0.0) -> None:
@@ -67,11 +69,40 @@ def test_an_old_command_asks_for_nothing() -> None:
 
 
 def test_two_robots_in_one_recording_are_told_apart() -> None:
+    for children, spaces in [(("a/base", "b/base"), ()), (("base", "base"), ("/a/tf", "/b/tf"))]:
+        watch = Watch(Drive)
+        for space in spaces:
+            watch.see(0.0, space, _type="tf2_msgs/msg/TFMessage", transforms=[])
+        for tick in range(60):
+            _drive(watch, tick / 20, 0.0, topic="/a/odom", child=children[0])
+            _drive(watch, tick / 20, 0.5 if tick > 20 else 0.0, topic="/b/odom", child=children[1])
+        assert [one.entity for one in watch.events] == ["base b"]
+
+
+def test_two_odometries_of_one_base_give_one_start() -> None:
     watch = Watch(Drive)
-    for tick in range(60):
-        _drive(watch, tick / 20, 0.0, topic="/a/odom")
-        _drive(watch, tick / 20, 0.5 if tick > 20 else 0.0, topic="/b/odom")
-    assert [one.entity for one in watch.events] == ["base b"]
+    for tick in range(100):
+        for topic in ("/wheels/odom", "/odometry/filtered"):
+            _drive(watch, tick / 20, 0.5 if tick > 20 else 0.0, topic=topic)
+    assert [one.kind for one in watch.events] == ["start"]
+
+
+def test_when_the_first_odometry_ends_the_other_takes_over() -> None:
+    watch = Watch(Drive)
+    for tick in range(400):
+        if tick < 100:
+            _drive(watch, tick / 20, 0.0, topic="/wheels/odom")
+        _drive(watch, tick / 20, 0.5 if tick > 200 else 0.0, topic="/odometry/filtered")
+    assert [one.kind for one in watch.events] == ["start"]
+
+
+def test_of_several_commands_none_that_asks_for_rest_makes_a_stall() -> None:
+    watch = Watch(Drive)
+    for tick in range(200):
+        _drive(watch, tick / 20, 0.0)
+        for name, speed in [("cmd_vel_nav", 0.5), ("cmd_vel_stop", 0.0)]:
+            watch.see(tick / 20 + 0.01, f"/{name}", _type=TWIST, vx=speed, vy=0.0, wz=0.0)
+    assert watch.events == []
 
 
 @pytest.mark.parametrize("mounted_rad", [0.0, pi / 2, pi])
@@ -123,3 +154,16 @@ def test_tilt_counts_from_how_the_sensor_stood_first() -> None:
         watch.see(tick / 50, "/imu", _type=IMU, **values, roll=roll, pitch=0.0, yaw=0.0)
     assert watch.phases("tilt") == [Phase.RAISED, Phase.CLEARED]
     assert watch.found("tilt")[0].criticality == 3
+
+
+def test_two_inertial_sensors_feel_one_shock_and_one_slip() -> None:
+    shocks, slips = Watch(Shocks), Watch(Slip)
+    for tick in range(400):
+        at_s = tick / 50
+        _drive(slips, at_s, 0.3, 1.0 if tick > 200 else 0.0)
+        for topic in ("/imu/one", "/imu/two"):
+            shocks.see(at_s, topic, _type=IMU, ax=0.0, ay=0.0, az=40.0 if 300 <= tick < 303 else 9.8)
+            slips.see(at_s, topic, _type=IMU, ax=0.0, ay=0.0, az=9.8, wx=0.0, wy=0.0, wz=0.0)
+    assert [one.kind for one in shocks.events] == ["shock"]
+    assert {one.phase for one in slips.events if one.phase is Phase.RAISED} == {Phase.RAISED}
+    assert len({one.references for one in slips.events}) == 1

@@ -62,6 +62,14 @@ def test_a_wall_beside_the_path_is_no_obstacle() -> None:
     assert watch.events == []
 
 
+def test_what_keeps_its_distance_is_part_of_the_base_or_drives_ahead() -> None:
+    watch = Watch(Obstacles)
+    for tick in range(100):
+        watch.see(tick / 10, "/o", _type=ODOMETRY, vx=0.5, vy=0.0, wz=0.0, x=0.0, y=0.0, yaw=0.0)
+        watch.see(tick / 10, "/s", _type=SCAN, frame="base_laser", front=0.3, front_bearing=0.0)
+    assert watch.events == []
+
+
 def test_a_standing_base_approaches_nothing() -> None:
     watch = Watch(Obstacles)
     for tick in range(100):

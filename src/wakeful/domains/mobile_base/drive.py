@@ -72,27 +72,36 @@ class Drive(Remembering[_Memory]):
         drive = memory.drives.setdefault(observation.topic, _Drive())
         drive.speeds = [one for one in drive.speeds if 0 <= observation.at_ns - one[0] <= _WINDOW_NS][-100:]
         drive.speeds.append((observation.at_ns, motion.speed_mps))
-        command = self._command(observation)
+        command, asked = self._command(observation)
         if phase is Phase.RAISED:
-            yield self._start(observation.topic, motion, command)
+            yield self._start(observation.topic, motion, asked)
         elif phase is Phase.CLEARED:
             yield Shown(label="stopped")
             yield self._stop(observation.topic, motion, command, drive)
         yield from self._stall(observation, motion, command, drive)
 
-    def _command(self, observation: Observation) -> Command | None:
-        """The fresh command for the base of this odometry; None where nobody commands."""
-        commands = self.memory.commands
-        topic = nearest_topic(observation.topic, list(commands))
-        if topic is None or not 0 <= observation.at_ns - commands[topic].at_ns <= _FRESH_NS:
-            return None
-        return commands[topic]
+    def _command(self, observation: Observation) -> tuple[Command | None, bool]:
+        """What is asked of the base of this odometry now, and whether anything is.
 
-    def _start(self, topic: str, motion: Motion, command: Command | None) -> Found:
-        unasked = bool(self.memory.commands) and command is None
+        Several may command it, and which of them is obeyed is not recorded. So motion is asked for when one asks for it, and
+        only what is the least of all fresh commands is due.
+        """
+        commands = self.memory.commands
+        nearest = nearest_topic(observation.topic, list(commands))
+        space = "" if nearest is None else nearest.rpartition("/")[0]
+        fresh = [
+            one
+            for topic, one in commands.items()
+            if nearest is not None and topic.rpartition("/")[0] == space and 0 <= observation.at_ns - one.at_ns <= _FRESH_NS
+        ]
+        least = min(fresh, key=lambda one: (_asks(one), one.speed_mps, one.turn_radps), default=None)
+        return least, any(_asks(one) for one in fresh)
+
+    def _start(self, topic: str, motion: Motion, asked: bool) -> Found:
+        unasked = bool(self.memory.commands) and not asked
         return Found(
             kind="start",
-            entity=_base(topic, self.memory.bases),
+            entity=self.memory.bases.name(topic),
             fields={**motion.fields(), "commanded": not unasked, "severity": 0.4 if unasked else 0.1},
             says=f"The base began to move ({motion.says()}){', though no command asked for it' if unasked else ''}.",
             criticality=2 if unasked else 0,
@@ -100,7 +109,7 @@ class Drive(Remembering[_Memory]):
 
     def _stop(self, topic: str, motion: Motion, command: Command | None, drive: _Drive) -> Found:
         before_mps, braking_mps2 = _braking(drive.speeds)
-        asked = command is not None and (command.speed_mps >= MOVING_MPS or command.turn_radps >= MOVING_RADPS)
+        asked = command is not None and _asks(command)
         told = command is not None and not asked
         unexpected = asked or (braking_mps2 >= self._hard_mps2 and not told)
         because = "though a command still asked for motion" if asked else "as commanded" if told else "without a command in sight"
@@ -113,7 +122,7 @@ class Drive(Remembering[_Memory]):
         }
         return Found(
             kind="unexpected_stop" if unexpected else "stop",
-            entity=_base(topic, self.memory.bases),
+            entity=self.memory.bases.name(topic),
             fields=fields,
             says=f"The base came to rest from {before_mps:.2f} m/s, braking at {braking_mps2:.1f} m/s², {because}.",
             criticality=2 if unexpected else 0,
@@ -121,7 +130,7 @@ class Drive(Remembering[_Memory]):
         )
 
     def _stall(self, observation: Observation, motion: Motion, command: Command | None, drive: _Drive) -> Iterator[Seen]:
-        wanted = command is not None and (command.speed_mps >= MOVING_MPS or command.turn_radps >= MOVING_RADPS)
+        wanted = command is not None and _asks(command)
         stalled = (
             command is not None
             and wanted
@@ -131,7 +140,7 @@ class Drive(Remembering[_Memory]):
         phase = drive.stall.see(int(stalled), observation.at_ns, self._hold_ns, to_ns(0.3))
         if phase is None:
             return
-        entity = _base(observation.topic, self.memory.bases)
+        entity = self.memory.bases.name(observation.topic)
         if phase is Phase.CLEARED:
             yield Shown(label="recovered", entity=entity)
         asked = "" if command is None else f"{command.speed_mps:.2f} m/s and {command.turn_radps:.2f} rad/s asked for"
@@ -158,10 +167,9 @@ class Drive(Remembering[_Memory]):
         )
 
 
-def _base(topic: str, bases: Bases) -> str:
-    """``base`` where there is one; with several, by the name space of its odometry."""
-    space = topic.strip("/").rpartition("/")[0]
-    return f"base {space}" if len(bases.by_topic) > 1 and space else "base"
+def _asks(command: Command) -> bool:
+    """Whether a command asks for motion at all."""
+    return command.speed_mps >= MOVING_MPS or command.turn_radps >= MOVING_RADPS
 
 
 def _braking(speeds: list[tuple[int, float]]) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from wakeful.contracts.detector import Found, Shown
 from wakeful.domains.latch import Latch
 from wakeful.domains.mobile_base.frames import transforms_of, wrap
 from wakeful.domains.mobile_base.messages import frame, message_type
-from wakeful.domains.mobile_base.motion import Bases
+from wakeful.domains.mobile_base.motion import Bases, reported
 from wakeful.domains.plain import number, whole, within
 from wakeful.domains.remembering import Remembering, Seen
 from wakeful.facts.domain import DetectorSpec, DomainSpec
@@ -58,14 +58,13 @@ class Jumps(Remembering[_Memory]):
 
     def observe(self, observation: Observation) -> Iterator[Seen]:
         """Compare each place in the observation with where it was."""
-        seen = self.memory.bases.see(observation)
-        values = observation.values
+        self.memory.bases.see(observation)
+        values, said = observation.values, reported(observation)
         match message_type(observation):
-            case "Odometry" if seen is not None and number(values, "x") is not None and number(values, "y") is not None:
-                motion = seen[0]
-                entity = f"{motion.frame or 'odometry'}→{motion.child or observation.topic}"
-                claimed = 1.5 * motion.speed_mps
-                place = (motion.x_m, motion.y_m, number(values, "yaw"))
+            case "Odometry" if said is not None and said.x_m is not None and said.y_m is not None:
+                entity = f"{said.frame or 'odometry'}→{said.child or observation.topic}"
+                claimed = 1.5 * hypot(said.forward_mps, said.sideways_mps)
+                place = (said.x_m, said.y_m, said.yaw_rad)
                 yield from self._step(observation, observation.topic, entity, observation.at_ns, place, claimed)
             case "PoseWithCovarianceStamped":
                 x, y = number(values, "x"), number(values, "y")

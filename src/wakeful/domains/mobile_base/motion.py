@@ -17,6 +17,7 @@ MOVING_MPS, MOVING_RADPS = 0.05, 0.1
 """Above one of these the base moves; under half of both it rests."""
 
 _START_NS, _REST_NS = to_ns(0.3), to_ns(0.5)
+_OWNED_NS = to_ns(3.0)
 _MOST_BASES = 16
 
 
@@ -63,43 +64,107 @@ class Motion(msgspec.Struct):
         return f"moving at {self.forward_mps:.2f} m/s, turning at {self.turning_radps:.2f} rad/s"
 
 
+class Reported(msgspec.Struct, frozen=True):
+    """What one odometry message says. A position or heading that it doesn't carry is None."""
+
+    forward_mps: float
+    sideways_mps: float
+    turning_radps: float
+    x_m: float | None
+    y_m: float | None
+    yaw_rad: float | None
+    frame: str
+    child: str
+
+
+def reported(observation: Observation) -> Reported | None:
+    """Read an odometry message; None for any other, and for one without velocities."""
+    kind, values = message_type(observation), observation.values
+    if kind == "Odometry":
+        forward, turning, yaw = number(values, "vx"), number(values, "wz"), number(values, "yaw")
+    elif kind == "Pose":  # turtlesim's, which carries velocities; geometry_msgs/Pose doesn't
+        forward, turning = number(values, "linear_velocity"), number(values, "angular_velocity")
+        yaw = number(values, "theta")
+    else:
+        return None
+    if forward is None or turning is None:
+        return None
+    return Reported(
+        forward_mps=forward,
+        sideways_mps=number(values, "vy") or 0.0,
+        turning_radps=turning,
+        x_m=number(values, "x"),
+        y_m=number(values, "y"),
+        yaw_rad=yaw,
+        frame=frame(values),
+        child=frame(values, "child_frame"),
+    )
+
+
 class Bases(msgspec.Struct):
-    """The motion of each base in the recording, by its odometry topic."""
+    """The motion of each base in the recording, by its odometry topic.
+
+    Several odometries of one base (of the wheels, filtered, visual) have the same child frame: the first that is heard counts for
+    as long as it goes on. Bases that share frame names have transforms in a name space of their own.
+    """
 
     by_topic: dict[str, Motion] = {}
+    owners: dict[str, str] = {}
+    """The odometry topic that counts, by base."""
+    spaces: list[str] = []
+    """Name spaces with transforms of their own."""
 
     def see(self, observation: Observation) -> tuple[Motion, Phase | None] | None:
         """Take up an odometry message.
 
         Returns:
-            The motion, and RAISED when the base began to move, CLEARED when it came to rest; None for any other message.
+            The motion, and RAISED when the base began to move, CLEARED when it came to rest; None for any other message and for
+            a further odometry of the same base.
         """
-        kind = message_type(observation)
-        if kind not in ("Odometry", "Pose"):
+        if message_type(observation) in ("TFMessage", "tfMessage"):
+            space = observation.topic.strip("/").rpartition("/")[0]
+            if space and space not in self.spaces and len(self.spaces) < _MOST_BASES:
+                self.spaces.append(space)
             return None
-        values = observation.values
-        forward, turning = number(values, "vx"), number(values, "wz")
-        if kind == "Pose":  # turtlesim's, which carries velocities; geometry_msgs/Pose doesn't
-            forward, turning = number(values, "linear_velocity"), number(values, "angular_velocity")
-        if forward is None or turning is None:
-            return None
-        if observation.topic not in self.by_topic and len(self.by_topic) >= _MOST_BASES:
+        said = reported(observation)
+        if said is None or not self._counts(observation, said):
             return None
         motion = self.by_topic.setdefault(observation.topic, Motion())
-        sideways = number(values, "vy") or 0.0
-        x, y = number(values, "x"), number(values, "y")
-        yaw = number(values, "yaw") if "yaw" in values else number(values, "theta")
         motion.at_ns, motion.known = observation.at_ns, True
-        motion.x_m, motion.y_m = motion.x_m if x is None else x, motion.y_m if y is None else y
-        motion.yaw_rad = motion.yaw_rad if yaw is None else yaw
-        motion.forward_mps, motion.sideways_mps, motion.turning_radps = forward, sideways, turning
-        motion.frame, motion.child = frame(values), frame(values, "child_frame")
+        motion.x_m = motion.x_m if said.x_m is None else said.x_m
+        motion.y_m = motion.y_m if said.y_m is None else said.y_m
+        motion.yaw_rad = motion.yaw_rad if said.yaw_rad is None else said.yaw_rad
+        motion.forward_mps, motion.sideways_mps, motion.turning_radps = said.forward_mps, said.sideways_mps, said.turning_radps
+        motion.frame, motion.child = said.frame, said.child
         return motion, motion.latch.see(_level(motion), observation.at_ns, _START_NS, _REST_NS)
 
     def of(self, topic: str) -> Motion:
         """The motion of the base that a topic belongs to; an unknown motion where that is not clear."""
         nearest = nearest_topic(topic, list(self.by_topic))
         return Motion() if nearest is None else self.by_topic[nearest]
+
+    def name(self, topic: str) -> str:
+        """What the base of an odometry topic is called: ``base``; among several by its frame's or its topic's name space."""
+        motion = self.by_topic.get(topic)
+        if len(self.owners) <= 1 or motion is None:
+            return "base"
+        space = motion.child.rpartition("/")[0] or topic.strip("/").partition("/")[0]
+        return f"base {space}"
+
+    def _counts(self, observation: Observation, said: Reported) -> bool:
+        topic = observation.topic
+        space = next((one for one in self.spaces if topic.strip("/").startswith(f"{one}/")), "")
+        base = f"{space}@{said.child}" if said.child else topic
+        owner = self.owners.get(base)
+        if owner is not None and owner != topic:
+            quiet_ns = observation.at_ns - self.by_topic[owner].at_ns if owner in self.by_topic else _OWNED_NS
+            if 0 <= quiet_ns < _OWNED_NS:
+                return False
+            self.by_topic.pop(owner, None)
+        elif owner is None and len(self.owners) >= _MOST_BASES:
+            return False
+        self.owners[base] = topic
+        return True
 
 
 def _level(motion: Motion) -> int:

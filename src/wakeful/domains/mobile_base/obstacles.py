@@ -16,9 +16,11 @@ from wakeful.domains.plain import number, within
 from wakeful.domains.remembering import Remembering, Seen
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
-from wakeful.facts.time import to_ns
+from wakeful.facts.time import to_ns, to_s
 
-_FRESH_NS = to_ns(0.5)
+_FRESH_NS, _WINDOW_NS = to_ns(0.5), to_ns(1.0)
+_CLOSING_SHARE = 0.3
+"""Of the speed, as much as the distance must shrink by for something to count as approached."""
 _SHALLOWEST = 0.2
 """Cosine of the widest angle to the path (78°) at which something still lies ahead."""
 _SECTORS = ((0.0, "front"), (pi / 2, "left"), (-pi / 2, "right"), (pi, "back"))
@@ -29,8 +31,8 @@ class _Memory(msgspec.Struct):
     bases: Bases = msgspec.field(default_factory=Bases)
     frames: Frames = msgspec.field(default_factory=Frames)
     latches: dict[str, Latch] = {}
-    last: dict[str, tuple[float, float]] = {}
-    """Of each obstacle raised: distance (m) and time to contact (s) when last seen."""
+    seen: dict[str, list[tuple[int, float]]] = {}
+    """Of each side the (instant, distance in metres) of the last second."""
 
 
 class Obstacles(Remembering[_Memory]):
@@ -70,31 +72,29 @@ class Obstacles(Remembering[_Memory]):
         memory, moving = self.memory, motion.moving and motion.speed_mps >= MOVING_MPS
         entity = _SIDES[side]
         key = f"{observation.topic} {side}"
-        nearest: tuple[float, float] | None = None
-        if moving and _side_of(path_rad) == side:
-            for distance_m, bearing_rad in returns:
-                ahead, beside = distance_m * cos(bearing_rad - path_rad), distance_m * sin(bearing_rad - path_rad)
-                if (
-                    ahead > _SHALLOWEST * distance_m
-                    and abs(beside) <= self._half_width_m
-                    and (nearest is None or ahead < nearest[0])
-                ):
-                    nearest = (ahead, motion.speed_mps)
+        nearest = self._ahead(path_rad, returns) if moving and _side_of(path_rad) == side else None
         latch = memory.latches.get(key)
         if nearest is None and latch is None:
             return
         latch = memory.latches.setdefault(key, Latch())
-        level, ttc_s, distance_m = 0, 0.0, 0.0
+        seen = [one for one in memory.seen.get(key, []) if 0 <= observation.at_ns - one[0] <= _WINDOW_NS][-50:]
+        level, closing_mps = 0, 0.0
         if nearest is not None:
-            distance_m = nearest[0]
-            ttc_s = distance_m / nearest[1]
-            level = 2 if ttc_s <= self._soon_s / 3 else 1 if ttc_s <= self._soon_s or distance_m <= self._near_m else 0
-            memory.last[key] = (distance_m, ttc_s)
+            if seen and observation.at_ns > seen[0][0]:
+                closing_mps = (seen[0][1] - nearest) / to_s(observation.at_ns - seen[0][0])
+            seen.append((observation.at_ns, nearest))
+            ttc_s = nearest / motion.speed_mps
+            level = 2 if ttc_s <= self._soon_s / 3 else 1 if ttc_s <= self._soon_s or nearest <= self._near_m else 0
+            # what keeps its distance while the base drives is a part of it, or drives ahead
+            if latch.level == 0 and closing_mps < _CLOSING_SHARE * motion.speed_mps:
+                level = 0
+        memory.seen[key] = seen
+        distance_m = seen[-1][1] if seen else 0.0
+        ttc_s = distance_m / max(motion.speed_mps, MOVING_MPS)
         phase = latch.see(level, observation.at_ns, to_ns(0.2), to_ns(1.0))
         if phase is None:
             return
         over = phase is Phase.CLEARED
-        distance_m, ttc_s = memory.last.pop(key, (distance_m, ttc_s)) if over else (distance_m, ttc_s)
         if over:
             yield Shown(label="recovered", entity=entity)
         yield Found(
@@ -103,13 +103,13 @@ class Obstacles(Remembering[_Memory]):
             fields={
                 **motion.fields(),
                 "distance_m": within(distance_m, 0.0, 100.0),
-                "closing_mps": 0.0 if over else within(motion.speed_mps, 0.0, 20.0),
+                "closing_mps": 0.0 if over else within(max(closing_mps, motion.speed_mps), 0.0, 20.0),
                 "ttc_s": None if over else within(ttc_s, 0.0, 100.0),
                 "side": side,
                 "severity": 0.4 * latch.level,
             },
             says=(
-                f"Nothing approaches at the {side} any more; it was {distance_m:.2f} m away ({motion.says()})."
+                f"Nothing approaches at the {side} any more ({motion.says()})."
                 if over
                 else f"Something {distance_m:.2f} m away at the {side}, by {observation.topic}: contact in {ttc_s:.1f} s"
                 f" ({motion.says()})."
@@ -120,6 +120,15 @@ class Obstacles(Remembering[_Memory]):
             type="obstacle",
             references=(observation.topic, side),
         )
+
+    def _ahead(self, path_rad: float, returns: list[tuple[float, float]]) -> float | None:
+        """The distance along the path to the nearest return that lies on it."""
+        found = []
+        for distance_m, bearing_rad in returns:
+            ahead, beside = distance_m * cos(bearing_rad - path_rad), distance_m * sin(bearing_rad - path_rad)
+            if ahead > _SHALLOWEST * distance_m and abs(beside) <= self._half_width_m:
+                found.append(ahead)
+        return min(found, default=None)
 
 
 def _returns(observation: Observation, mounted_rad: float, kind: str) -> list[tuple[float, float]]:

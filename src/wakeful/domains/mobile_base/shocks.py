@@ -29,7 +29,6 @@ class _Sensor(msgspec.Struct):
     usual_mps2: float = 0.5
     seen_ns: int = 0
     count: int = 0
-    shock_ns: int | None = None
     stood: Vector | None = None
     standing: Up = msgspec.field(default_factory=Up)
     now: Up = msgspec.field(default_factory=Up)
@@ -39,6 +38,8 @@ class _Sensor(msgspec.Struct):
 class _Memory(msgspec.Struct):
     bases: Bases = msgspec.field(default_factory=Bases)
     sensors: dict[str, _Sensor] = {}
+    shock_ns: int | None = None
+    """When any of them felt the last one: all feel the same."""
 
 
 class Shocks(Remembering[_Memory]):
@@ -73,7 +74,7 @@ class Shocks(Remembering[_Memory]):
         sensor.usual_mps2 += (min(size, limit) - sensor.usual_mps2) * share
         if size < limit or sensor.count < 20:
             return
-        before_ns, sensor.shock_ns = sensor.shock_ns, observation.at_ns
+        before_ns, self.memory.shock_ns = self.memory.shock_ns, observation.at_ns
         if before_ns is not None and 0 <= observation.at_ns - before_ns < _QUIET_NS:
             return
         motion = self.memory.bases.of(observation.topic)

@@ -19,7 +19,7 @@ from wakeful.facts.events import Observation, Phase
 from wakeful.facts.time import to_ns, to_s
 
 _SMOOTH_S = 0.3
-_FRESH_NS = to_ns(0.5)
+_FRESH_NS, _OWNED_NS = to_ns(0.5), to_ns(3.0)
 
 
 class _Gyro(msgspec.Struct):
@@ -35,6 +35,8 @@ class _Gyro(msgspec.Struct):
 class _Memory(msgspec.Struct):
     bases: Bases = msgspec.field(default_factory=Bases)
     gyros: dict[str, _Gyro] = {}
+    owners: dict[str, str] = {}
+    """Of each base the inertial sensor that was heard first: others on it feel the same."""
 
 
 class Slip(Remembering[_Memory]):
@@ -62,7 +64,11 @@ class Slip(Remembering[_Memory]):
         up = gyro.up.see(acceleration, observation.at_ns)
         if topic is None or not gyro.up.sure:
             return
-        motion = memory.bases.by_topic[topic]
+        motion, owner = memory.bases.by_topic[topic], memory.owners.get(topic)
+        if owner is None or not 0 <= observation.at_ns - memory.gyros[owner].seen_ns < _OWNED_NS:
+            owner = memory.owners[topic] = observation.topic
+        if owner != observation.topic:
+            return
         if not 0 <= observation.at_ns - motion.at_ns <= _FRESH_NS:
             return
         self._smooth(gyro, dot(rates, up), motion.turning_radps, observation.at_ns, resting=not motion.moving)
@@ -72,12 +78,13 @@ class Slip(Remembering[_Memory]):
         phase = gyro.latch.see(level, observation.at_ns, to_ns(0.5), to_ns(2.0))
         if phase is None:
             return
+        entity = memory.bases.name(topic)
         if phase is Phase.CLEARED:
-            yield Shown(label="recovered", entity="base")
+            yield Shown(label="recovered", entity=entity)
         more = abs(gyro.wheels_radps) > abs(gyro.gyro_radps)
         yield Found(
             kind="slip",
-            entity="base",
+            entity=entity,
             fields={
                 **motion.fields(),
                 "apart_radps": within(apart, 0.0, 10.0),
@@ -92,7 +99,7 @@ class Slip(Remembering[_Memory]):
             deadline_s=10.0,
             phase=phase,
             type="slip",
-            references=(observation.topic,),
+            references=(entity,),
         )
 
     def _smooth(self, gyro: _Gyro, rate_radps: float, wheels_radps: float, at_ns: int, resting: bool) -> None:
