@@ -79,16 +79,25 @@ def test_an_unfinished_ros1_bag_gives_what_was_written(tmp_path: Path) -> None:
     assert RosbagBridge().peek(path).items is None
 
 
-def test_a_truncated_ros2_bag_gives_what_was_written(tmp_path: Path) -> None:
+def test_a_truncated_ros2_bag_is_one_error(tmp_path: Path) -> None:
+    (file,) = ros2_bag(tmp_path / "bag", count=500).glob("*.db3")
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(SourceError, match=r"bag\.db3 is no ROS 2 bag that can be read \(database disk image is malformed\)"):
+        list(RosbagBridge().read(file))
+
+
+def test_a_ros2_bag_damaged_inside_gives_what_comes_before(tmp_path: Path) -> None:
     (file,) = ros2_bag(tmp_path / "bag", count=500).glob("*.db3")
     whole = observations(file)
-    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    items = list(RosbagBridge().read(file))
-    rest = [item for item in items if isinstance(item, Observation)]
+    damaged = bytearray(file.read_bytes())
+    page = len(damaged) // 2 // 4096 * 4096
+    damaged[page : page + 8] = b"\xff" * 8
+    file.write_bytes(damaged)
+    *rest, last = RosbagBridge().read(file)
     assert 100 < len(rest) < len(whole)
-    assert rest == whole[: len(rest)] == items[: len(rest)]
-    assert all(isinstance(item, Undecodable) for item in items[len(rest) :])
-    assert len(items) > len(rest)
+    assert rest == whole[: len(rest)]
+    assert isinstance(last, Undecodable)
+    assert "what follows is lost" in last.reason
 
 
 def test_a_message_that_is_not_of_its_type_is_refused_alone(tmp_path: Path) -> None:

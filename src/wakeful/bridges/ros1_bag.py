@@ -82,8 +82,10 @@ def summary(file: BinaryIO) -> Summary | None:
                 count += sum(number for _, number in struct.iter_unpack("<II", data))
     except (Damaged, struct.error, KeyError, OverflowError, OSError):
         return None
+    if earliest_ns is None:
+        return None
     topics = tuple(sorted({each.topic for each in connections.values()}))
-    return Summary(topics, count, (latest_ns - (earliest_ns or 0)) / NS_PER_S if count else 0.0)
+    return Summary(topics, count, (latest_ns - earliest_ns) / NS_PER_S)
 
 
 def _record(stream: BinaryIO) -> tuple[Fields, bytes] | None:

@@ -22,7 +22,8 @@ _DAMAGE: Final = (apsw.Error, UnicodeDecodeError)
 def messages(path: Path) -> Iterator[RawMessage | Broken]:
     """The messages in the order in which they were written, which is that of their receipt.
 
-    That order needs no index and no sorting, so that a damaged bag gives what comes before the damage.
+    That order needs no index and no sorting, so that a damaged bag gives what comes before the damage. A file that is shorter
+    than it says is refused as a whole: its last page could only be read filled up with zeros, in the midst of messages.
 
     Raises:
         SourceError: the file is no ROS 2 bag.
@@ -58,10 +59,7 @@ def _opened(path: Path) -> apsw.Connection:
     finished = not path.with_name(f"{path.name}-wal").exists()
     try:
         address = f"file:{quote(str(path.absolute()))}?mode=ro{'&immutable=1' if finished else ''}"
-        database = apsw.Connection(address, flags=apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI)
-        # Opened for reading, nothing can be written; what this does is to let a file be read that is shorter than it says.
-        database.execute("PRAGMA writable_schema = ON")
-        return database
+        return apsw.Connection(address, flags=apsw.SQLITE_OPEN_READONLY | apsw.SQLITE_OPEN_URI)
     except _DAMAGE as failure:
         raise _unreadable(path, failure) from failure
 
@@ -102,4 +100,4 @@ def _whole(value: object) -> int:
 
 
 def _unreadable(path: Path, failure: Exception) -> SourceError:
-    return SourceError(f"{path} is no ROS 2 bag that can be read ({failure}); is it complete, and a rosbag2 database?")
+    return SourceError(f"{path} is no ROS 2 bag that can be read ({failure}); copy it again, or try: sqlite3 FILE .recover")
