@@ -103,6 +103,23 @@ def test_standard_input_is_a_source(wakeful: Wakeful, recording: Path, tmp_path:
     assert told["admitted"] > 0
 
 
+def test_a_robot_that_the_source_does_not_name_is_named_by_its_option(wakeful: Wakeful, tmp_path: Path) -> None:
+    journal = tmp_path / "robot.db"
+    events = tmp_path / "events.jsonl"
+    events.write_text('{"event": {"kind": "slip", "entity": "left wheel", "at": 1, "says": "the wheel slips"}}\n')
+    result = wakeful("run", events, "--domain", "jsonl", "--robot", "R2", "--journal", journal)
+    assert result.exit_code == 0, result.output
+    assert json.loads(wakeful("why", "--sample", 1, "--journal", journal, "--json").stdout)[0]["event"]["robot"] == "R2"
+
+
+def test_a_source_of_which_no_event_comes_says_so(wakeful: Wakeful, tmp_path: Path) -> None:
+    empty = tmp_path / "empty.jsonl"
+    empty.touch()
+    result = wakeful("run", empty, "--domain", "jsonl", "--journal", tmp_path / "empty.db")
+    assert result.exit_code == 0
+    assert "no event came of 0 items" in result.stdout
+
+
 def test_options_come_from_the_environment(wakeful: Wakeful, tmp_path: Path) -> None:
     journal = tmp_path / "env.db"
     settings = {"WAKEFUL_JOURNAL": str(journal), "WAKEFUL_EVENTS": "5", "WAKEFUL_JSON": "1"}

@@ -25,6 +25,9 @@ def print_summary(told: Summary, items: int, elapsed_s: float, events_per_second
             _episode(episode)
     heading(f"Summary of {plain(told.source)} ({told.domain})")
     print_state(told)
+    if not told.admitted:
+        what = "Nothing was received" if not told.received else "Nothing was admitted"
+        paragraph(f"{what}: no event came of {count(items, 'item')}. Another domain may hear more: --domain NAME.")
     pace = f"{items / elapsed_s:,.0f} items and {events_per_second:,.1f} events a second" if elapsed_s else "nothing was read"
     row("throughput", f"{pace} ({count(items, 'item')} in {duration(elapsed_s)})")
     print_curve(told)
