@@ -17,7 +17,7 @@ def test_what_is_shared_transfers_and_what_is_not_does_not() -> None:
     result = likened(case, state="hot", load=0.1)
     assert result.transfers == ("state",)
     assert result.does_not_transfer == ("load", "colour")
-    assert "shares state, but not load, colour" in result.says
+    assert "it shares state, but not load, colour" in result.says
 
 
 def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_count_against_it() -> None:
@@ -32,7 +32,7 @@ def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_cou
 def test_a_case_that_shares_no_attribute_carries_nothing() -> None:
     result = likened(episode("a", 10.0, likeness=1.0, treatment="planning", state="cold"), state="hot")
     assert result.treat_as == ""
-    assert "is like nothing known; the nearest of 1 is worth 0 of 1" in result.says
+    assert "; like nothing known; the nearest of 1 is worth 0 of 1" in result.says
     assert result.confidence <= 0.1
 
 

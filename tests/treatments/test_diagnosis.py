@@ -75,7 +75,7 @@ def test_other_signs_of_the_same_robot_while_it_waited_count_as_symptoms() -> No
     result = diagnosed(ScriptedMind(DOMAIN, "auto", told))
     assert result.findings["stop"] is True
     assert "event e1" in result.rests_on
-    old = script(episode("e1", 2_000.0, kind="stop", entity="cell"))
+    old = script(episode("e1", 70.0, kind="stop", entity="cell"))
     assert "stop" not in diagnosed(ScriptedMind(DOMAIN, "auto", old)).findings
 
 

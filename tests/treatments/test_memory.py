@@ -38,7 +38,7 @@ def test_only_cases_that_are_like_enough_count_as_having_happened_before() -> No
     result = remembered(near, far)
     assert result.happened == 1
     assert [(row.outcome, row.count) for row in result.endings] == [("stop", 1)]
-    assert "it happened 1 times before: 1 ended in stop" in result.says
+    assert "it happened 1 time before: 1 ended in stop" in result.says
 
 
 def test_cases_that_are_still_open_are_named_as_what_would_change_it() -> None:

@@ -20,7 +20,7 @@ def test_only_hazards_whose_conditions_hold_are_open_and_the_worst_is_said() -> 
     assert [row.hazard for row in calm.hazards] == ["stop"]
     shaky = assessed(ScriptedMind(DOMAIN, "auto", script()), state="unstable")
     assert [row.hazard for row in shaky.hazards] == ["falls", "stop"]
-    assert "high risk of falls" in shaky.says
+    assert "; a high risk of falls" in shaky.says
     assert shaky.proposes[0].effect == "keep away"
 
 
@@ -57,7 +57,7 @@ def test_without_a_table_it_says_what_may_follow_and_does_not_call_it_a_risk() -
     domain = msgspec.structs.replace(DOMAIN, hazard=())
     ended = tuple(episode(f"c{at}", 100.0 + at, outcome="stop" if at % 2 else "none") for at in range(6))
     result = assessed(ScriptedMind(domain, "auto", script(*ended)))
-    assert "opens no hazard of the table" in result.says
+    assert "no hazard of the table is open" in result.says
     assert "stop may follow" in result.says
     assert not result.hazards[0].listed
     assert result.proposes == ()
@@ -83,7 +83,7 @@ def test_a_fresh_reading_turns_a_value_into_a_trend_and_a_time_to_its_limit() ->
     assert result.asked == ("heat/arm/temperature_3",)
     assert result.consequence is not None
     assert result.consequence.in_s == pytest.approx(6.0)
-    assert "by a fresh reading" in result.says
+    assert "by another reading" in result.says
 
 
 def test_it_asks_only_for_fresh_readings_of_the_events_own_channel() -> None:
@@ -96,3 +96,11 @@ def test_it_says_how_many_outcomes_would_halve_the_interval() -> None:
     row = assessed(ScriptedMind(DOMAIN, "auto", script())).hazards[0]
     assert row.cases_to_halve == 15  # 3 × (4 + 1)
     assert "about 15 more like cases" in assessed(ScriptedMind(DOMAIN, "auto", script())).halves
+
+
+def test_an_outcome_that_no_open_hazard_speaks_of_is_told_beside_the_table() -> None:
+    drops = tuple(episode(f"d{at}", 100.0 + at, outcome="drop", likeness=1.0) for at in range(8))
+    result = assessed(ScriptedMind(DOMAIN, "auto", script(*drops)))
+    assert [(row.hazard, row.listed) for row in result.hazards] == [("stop", True), ("drop", False)]
+    assert "risk of stop: likelihood 7 %" in result.says
+    assert "drop may follow with 94 %" in result.says

@@ -14,7 +14,7 @@ from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, likeness, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.overlap import Overlap, overlap
-from wakeful.treatments.remembering import similar
+from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import bare, brief, percent, subject
 
@@ -92,7 +92,7 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
             mind, subject(event), _nearest(nearest, cases), _treat(treat_as, belief.mean, low, high, ended), expectation(forecast)
         ),
         confidence=sure(mind, NOTHING_TO_GO_ON if nearest is None else nearest.worth * (1.0 - belief.mean)),
-        rests_on=(f"event {event.id}", *(f"event {case.event}" for case in near), *forecast_reasons(mind, [voice])),
+        rests_on=(f"event {event.id}", *resting(by_event[case.event] for case in near), *forecast_reasons(mind, [voice])),
         would_change=_would_change(near, nearest),
         forecast=forecast,
         cases=cases,
@@ -143,12 +143,12 @@ def _wrong(near: Sequence[Case], settings: AnalogySettings) -> Belief:
 def _nearest(nearest: Case | None, cases: Sequence[Case]) -> str:
     if nearest is None:
         far = f"; the nearest of {len(cases)} is worth {cases[0].worth:.2g} of 1" if cases else ""
-        return f" is like nothing known{far}"
+        return f"; like nothing known{far}"
     shared = ", ".join(bare(name) for name in nearest.overlap.shared[:3]) or "no attribute"
     unlike = [*nearest.overlap.differing, *nearest.overlap.lacking]
     but = f", but not {', '.join(bare(name) for name in unlike[:3])}" if unlike else ""
     ended = f", which ended in {nearest.outcome}" if nearest.outcome else ""
-    return f" is most like {nearest.entity} ({nearest.kind.replace('_', ' ')}{ended}): it shares {shared}{but}"
+    return f"; most like {nearest.entity} ({nearest.kind.replace('_', ' ')}{ended}): it shares {shared}{but}"
 
 
 def _treat(treat_as: str, wrong: float, low: float, high: float, ended: int) -> str:

@@ -15,7 +15,7 @@ from wakeful.treatments.causal_graph import Arrow, arrows_of, chains, confounder
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
-from wakeful.treatments.remembering import NOTHING_RECALLED, Recalled, age_s, of_kind
+from wakeful.treatments.remembering import NAMED, NOTHING_RECALLED, Recalled, age_s, of_kind
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import brief, percent, span, subject
 
@@ -111,8 +111,8 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     other = prod(1.0 - candidate.score for candidate in candidates)
     leads = {arrow.effect: significant(arrow.strength) for arrow in reversed(out_of(arrows, event.kind))}
     voices = [
-        recalled_voice(mind.domain, effects.episodes),
-        model_voice(mind.domain, "causal graph", leads, settings.arrow_cases),
+        recalled_voice(mind.domain, effects.episodes, ranked=False),
+        model_voice(mind.domain, "causal graph", leads),
     ]
     forecast = pooled(mind, event, voices)
     question = _question(event, candidates, wanted)
@@ -121,8 +121,8 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
         confidence=sure(mind, 1.0 - other if candidates else NOTHING_TO_GO_ON),
         rests_on=(
             f"event {event.id}",
-            *(f"causal graph: {' → '.join(candidate.chain)}" for candidate in candidates),
-            *(f"event {candidate.event}" for candidate in candidates),
+            *dict.fromkeys(f"causal graph: {' → '.join(candidate.chain)}" for candidate in candidates),
+            *(f"event {candidate.event}" for candidate in candidates[:NAMED]),
             *forecast_reasons(mind, voices),
         ),
         would_change=(question, *(f"an earlier {kind.replace('_', ' ')}" for kind in wanted if not seen[kind].episodes)),
@@ -233,7 +233,10 @@ def _brought_about(candidates: Sequence[Candidate], other: float, wanted: Sequen
     top = candidates[0]
     how = f"most likely brought about by {top.kind.replace('_', ' ')} of {top.entity} {span(top.before_s)} before"
     seen = f"followed in {top.effect.followed} of {top.effect.cases} earlier cases" if top.effect.cases else "written strength"
-    need = "" if top.effect.necessity is None else f"; without it this would not have come with {percent(top.effect.necessity)}"
+    need = ""
+    if top.effect.necessity is not None:
+        spared = f"with {percent(top.effect.necessity)} it would not have come without it"
+        need = f"; {spared if top.effect.necessity >= 0.01 else 'it comes as often without it'}"
     doubt = "" if top.effect.identified else "; its effect is unidentified"
     return f": {how} (score {top.score:.2g}, {seen}{need}{doubt}); {percent(other)} is left unexplained"
 

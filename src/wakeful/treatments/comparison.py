@@ -13,10 +13,10 @@ from wakeful.facts.values import Fact, Field
 from wakeful.treatments.change import change_point, cliffs_delta, robust_z
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
-from wakeful.treatments.measures import number, numbers, plain, significant
-from wakeful.treatments.remembering import age_s, of_entity, of_kind, typical
+from wakeful.treatments.measures import comparable, number, numbers, plain, significant
+from wakeful.treatments.remembering import age_s, of_entity, of_kind, resting, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import bare, brief, span, subject, valued
+from wakeful.treatments.wording import bare, brief, counted, span, subject, valued
 
 
 class ComparisonSettings(Fact, frozen=True):
@@ -24,7 +24,7 @@ class ComparisonSettings(Fact, frozen=True):
 
     past: int = 20
     peers: int = 20
-    deliberating: int = 60
+    deliberating: int = 40
     unusual_z: float = 3.5
     rare_share: float = 0.1
 
@@ -75,15 +75,16 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
     """The thinking of ``comparison`` with settings of one's own."""
     await mind.work(1)
     more = mind.mode == "delib"
-    own = [e for e in await of_entity(event, mind, settings.deliberating if more else settings.past) if age_s(event, e) >= 0.0]
+    limit = settings.deliberating if more else settings.past
+    own = [episode for episode in await of_entity(event, mind, limit, event.kind) if age_s(event, episode) >= 0.0]
     found = await of_kind(event, mind, event.kind, settings.deliberating if more else settings.peers)
     await mind.work(1)
     peers = [episode for episode in found.episodes if episode.entity != event.entity and age_s(event, episode) >= 0.0]
 
-    rows = sorted((_row(event, name, own, peers, settings) for name in event.fields), key=_strangest)
+    rows = sorted((_row(event, name, own, peers, settings) for name in comparable(event.fields)), key=_strangest)
     unusual = tuple(row.name for row in rows if row.unusual)
     compared = [row for row in rows if row.own_count or row.peers_count]
-    voice = recalled_voice(mind.domain, [*own, *peers])
+    voice = recalled_voice(mind.domain, [*own, *peers], ranked=False)
     forecast = pooled(mind, event, [voice])
     entities = tuple(dict.fromkeys(brief(episode.entity) for episode in peers))
     # an effect can't be surer than the number of others it is measured against
@@ -93,7 +94,7 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
         confidence=sure(mind, NOTHING_TO_GO_ON if not compared else 0.95 * most / (most + 5.0)),
         rests_on=(
             f"event {event.id}",
-            *(f"event {episode.event}" for episode in (*own, *peers)),
+            *resting((*own, *peers)),
             *forecast_reasons(mind, [voice]),
         ),
         would_change=_would_change(event, rows, len(own), len(peers)),
@@ -163,16 +164,21 @@ def _rounded(value: float | None) -> float | None:
 
 def _beside(rows: Sequence[Row], own: int, peers: int, entities: int) -> str:
     if not own and not peers:
-        return " has no past and no peers to be compared with"
+        return "; no past and no peers to compare it with"
     with_whom = " and ".join(
-        part for part in (f"its {own} earlier events" if own else "", f"{peers} of {entities} peers" if peers else "") if part
+        part
+        for part in (
+            f"its {counted(own, 'earlier event')}" if own else "",
+            f"{peers} of {counted(entities, 'peer')}" if peers else "",
+        )
+        if part
     )
     odd = [row for row in rows if row.unusual]
     if not rows:
-        return f" carries nothing that could be compared with {with_whom}"
+        return f"; nothing in it can be compared with {with_whom}"
     if not odd:
-        return f" is within what is usual for {with_whom}"
-    return f" beside {with_whom} is unusual in {', '.join(_row_said(row) for row in odd[:2])}"
+        return f"; within what is usual for {with_whom}"
+    return f"; unusual beside {with_whom}: {', '.join(_row_said(row) for row in odd[:2])}"
 
 
 def _row_said(row: Row) -> str:
@@ -185,7 +191,8 @@ def _row_said(row: Row) -> str:
         else (row.peers_z, row.peers_usual, "its peers'")
     )
     since = f", shifted {span(row.shifted_s)} ago" if row.shifted_s else ""
-    return f"{said} ({z or 0.0:+.1f} robust deviations from {whose} {valued(row.name, usual)}{since})"
+    far = f"{z or 0.0:+.1f}" if abs(z or 0.0) < 100.0 else "over 100"
+    return f"{said} ({far} robust deviations from {whose} {valued(row.name, usual)}{since})"
 
 
 def _would_change(event: Event, rows: Sequence[Row], own: int, peers: int) -> tuple[str, ...]:

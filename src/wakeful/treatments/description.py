@@ -11,9 +11,9 @@ from wakeful.facts.values import Fact, Field
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import number, plain
-from wakeful.treatments.remembering import age_s, of_entity, same, similar, typical
+from wakeful.treatments.remembering import age_s, of_entity, resting, same, similar, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import brief, span, subject, valued, worded
+from wakeful.treatments.wording import brief, counted, span, subject, valued, worded
 
 #: How many sightings or like cases tell what is normal here.
 SIGHTINGS = 8
@@ -62,13 +62,13 @@ async def description(event: Event, mind: Mind) -> Description:
     """Register what is there as a typed scene entry, compare it with what is usual, and say it in one sentence."""
     await mind.work(1)
     own = event.relation is not Relation.NEW
-    past = await (of_entity(event, mind, SIGHTINGS) if own else similar(event, mind, SIGHTINGS))
+    past = await (of_entity(event, mind, SIGHTINGS, event.kind) if own else similar(event, mind, SIGHTINGS))
     attributes = tuple(
         _attribute(name, value, [e.fields[name] for e in past if name in e.fields], mind.domain)
         for name, value in event.fields.items()
     )
     odd = [attribute for attribute in attributes if attribute.as_usual is False]
-    voice = recalled_voice(mind.domain, past)
+    voice = recalled_voice(mind.domain, past, ranked=not own)
     forecast = pooled(mind, event, [voice])
     scene = SceneEntry(
         entity=brief(event.entity),
@@ -89,7 +89,7 @@ async def description(event: Event, mind: Mind) -> Description:
             mind, _what(event, scene), _shown(event, attributes, odd), _beside(event, scene, odd, past), expectation(forecast)
         ),
         confidence=sure(mind, confidence),
-        rests_on=(f"event {event.id}", *(f"event {episode.event}" for episode in past), *forecast_reasons(mind, [voice])),
+        rests_on=(f"event {event.id}", *resting(past), *forecast_reasons(mind, [voice])),
         would_change=(
             *(f"{worded(a.name, a.usual)}, as usual" for a in odd),
             *(() if past else (f"sightings that show {usual}",)),
@@ -135,7 +135,9 @@ def _beside(event: Event, scene: SceneEntry, odd: list[Attribute], past: tuple[E
     if not past:
         return "; nothing like it is remembered"
     last = max(age_s(event, past[0]), 0.0)
-    seen = f"; {len(past)} {'sightings' if scene.usual_of == 'its own' else 'like cases'} recalled, the last {span(last)} ago"
+    seen = (
+        f"; {counted(len(past), 'sighting' if scene.usual_of == 'its own' else 'like case')} recalled, the last {span(last)} ago"
+    )
     if not odd:
         return seen + ", all as usual" if scene.attributes else seen
     return seen + ", unusual: " + ", ".join(f"{worded(a.name, a.value)} (usually {valued(a.name, a.usual)})" for a in odd[:NAMED])

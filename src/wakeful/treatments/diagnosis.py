@@ -16,7 +16,7 @@ from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
-from wakeful.treatments.remembering import age_s, of_robot, similar
+from wakeful.treatments.remembering import age_s, of_robot, resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.symptoms import findings, holds, split
 from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
@@ -31,12 +31,10 @@ class DiagnosisSettings(Fact, frozen=True):
     rounds: int = 3
     leak: float = 0.02
     """Probability that a symptom appears without any fault of the table."""
-    recent_s: float = 300.0
-    """Other events of the robot so long before this one (or while it waits) count as symptoms of the same fault."""
+    recent_windows: float = 1.0
+    """Other events of the robot within so many outcome windows of this one count as symptoms of the same fault."""
     episodes: int = 12
     cases: int = 8
-    model_cases: float = 3.0
-    """How many cases the fault table weighs in the forecast, where it names outcomes."""
 
 
 class Suspect(Fact, frozen=True):
@@ -117,7 +115,8 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
 
 async def _recent(event: Event, mind: Mind, settings: DiagnosisSettings) -> tuple[Episode, ...]:
     past = await of_robot(event, mind, settings.episodes)
-    return tuple(episode for episode in past if abs(age_s(event, episode)) <= settings.recent_s)
+    window_s = settings.recent_windows * mind.domain.outcome.within_s
+    return tuple(episode for episode in past if abs(age_s(event, episode)) <= window_s)
 
 
 def _settled(network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> bool:
@@ -174,7 +173,7 @@ def _conclude(
     )
     shown = tuple(symptom for symptom, seen in known.items() if seen)
     check, _ = _most_telling(network, known, askable(mind.domain, event), (), settings) if shown else (None, None)
-    voices = [recalled_voice(mind.domain, past), _outcomes(mind, network, known, settings)]
+    voices = [recalled_voice(mind.domain, past), _outcomes(mind, network, known)]
     forecast = pooled(mind, event, voices)
     top = suspects[0] if suspects and shown else None
     settled = top is not None and top.posterior >= settings.threshold
@@ -184,7 +183,7 @@ def _conclude(
         rests_on=(
             f"event {event.id}",
             *(f"fault table: {symptom} {'seen' if seen else 'not there'}" for symptom, seen in known.items()),
-            *(f"event {episode.event}" for episode in recent if episode.kind in known),
+            *resting(episode for episode in recent if episode.kind in known),
             *heard,
             *forecast_reasons(mind, voices),
         ),
@@ -213,12 +212,12 @@ def _suspect(fault: Fault, posterior: float, known: Mapping[str, bool]) -> Suspe
     )
 
 
-def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> Voice | None:
+def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool]) -> Voice | None:
     """Where the fault table names outcome labels among what faults cause, it forecasts them, if a fault shows itself at all."""
     if not any(known.values()):
         return None
     named = [label for label in mind.domain.outcome.labels[1:] if label in network.symptoms and label not in known]
-    return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named}, settings.model_cases)
+    return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named})
 
 
 def _named(top: Suspect | None, suspects: Sequence[Suspect], shown: Sequence[str], mind: Mind) -> str:

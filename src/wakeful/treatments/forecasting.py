@@ -23,6 +23,14 @@ from wakeful.treatments.wording import percent
 PRIOR_CASES: dict[Mode, float] = {"auto": 20.0, "delib": 4.0, "fallback": 2.0}
 
 
+#: What a case weighs that was recalled by its entity or kind alone: nobody knows how like the event it is.
+UNRANKED = 0.2
+
+
+#: What a table of the domain weighs as a forecaster: it says how likely a thing is, but not that it is so within the window.
+TABLE_CASES = 1.0
+
+
 class Voice(Fact, frozen=True):
     """One opinion: who holds it, over which labels, and how many cases it weighs."""
 
@@ -40,19 +48,22 @@ def prior_voice(mind: Mind) -> Voice | None:
     return Voice(who="prior", probabilities=known, cases=PRIOR_CASES[mind.mode]) if known else None
 
 
-def recalled_voice(domain: DomainSpec, episodes: Iterable[Episode]) -> Voice | None:
-    """How the recalled cases ended, each weighing what it is worth; None where none has ended in a label of this domain."""
+def recalled_voice(domain: DomainSpec, episodes: Iterable[Episode], ranked: bool = True) -> Voice | None:
+    """How the recalled cases ended, each weighing what it is worth; None where none has ended in a label of this domain.
+
+    ``ranked`` cases were recalled by their likeness to the event; others by entity or kind, and weigh UNRANKED each.
+    """
     counts: dict[str, float] = {}
     for episode in episodes:
         if episode.outcome in domain.outcome.labels:
-            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + worth(episode)
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + (worth(episode) if ranked else UNRANKED)
     total = sum(counts.values())
     if total <= 0.0:
         return None
     return Voice(who="recalled outcomes", probabilities={label: c / total for label, c in counts.items()}, cases=total)
 
 
-def model_voice(domain: DomainSpec, who: str, chances: Mapping[str, float], cases: float) -> Voice | None:
+def model_voice(domain: DomainSpec, who: str, chances: Mapping[str, float], cases: float = TABLE_CASES) -> Voice | None:
     """What a table or model of the domain says of labels beside the first; the first (nothing happened) takes what is left."""
     labels = domain.outcome.labels
     told = {label: min(max(chances[label], 0.0), 1.0) for label in labels[1:] if label in chances}

@@ -63,20 +63,22 @@ class HazardRow(Fact, frozen=True):
 
 
 def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> tuple[HazardRow, ...]:
-    """The rows that this event opens, greatest risk first. Where none is listed, one for each outcome that like cases showed:
-    it is not known to be harm, so its severity is not rated; it starts from Jeffreys' prior, Beta(1/2, 1/2).
+    """The rows that this event opens, greatest risk first, and after them one for each outcome that like cases showed and no
+    open hazard speaks of: it is not known to be harm, so it is not rated; it starts from Jeffreys' prior, Beta(1/2, 1/2).
     """
     has = circumstances(event)
-    rows = [_listed(hazard, domain, past, table_cases, mass) for hazard in domain.hazard if matches(hazard.when, has)]
-    if not rows:
-        shown = [label for label in domain.outcome.labels[1:] if any(case.outcome == label for case in past)]
-        rows = [_unlisted(label, domain, past, mass) for label in shown]
-    return tuple(sorted(rows, key=lambda row: (-row.risk, row.hazard)))
+    open_now = [hazard for hazard in domain.hazard if matches(hazard.when, has)]
+    spoken_of = {label for hazard in open_now for label in shows_as(hazard, domain)}
+    rows = [_listed(hazard, domain, past, table_cases, mass) for hazard in open_now]
+    for label in domain.outcome.labels[1:]:
+        if label not in spoken_of and any(case.outcome == label for case in past):
+            rows.append(_unlisted(label, domain, past, mass))
+    return tuple(sorted(rows, key=lambda row: (not row.listed, -row.risk, row.hazard)))
 
 
 def worst(rows: Sequence[HazardRow]) -> HazardRow | None:
-    """The row with the worst rating; of equals the greater risk."""
-    return max(rows, key=lambda row: (RATINGS.index(row.rating), row.risk), default=None)
+    """The listed row with the worst rating, of equals the greater risk; where none is listed, the likeliest."""
+    return max(rows, key=lambda row: (row.listed, RATINGS.index(row.rating), row.risk), default=None)
 
 
 def circumstances(event: Event) -> Mapping[str, Field]:

@@ -12,6 +12,10 @@ from wakeful.treatments.wording import brief
 LARGEST = 1e30
 
 
+#: Fields that say where a value comes from, not what is there: they are not compared.
+ADDRESSES = frozenset(("channel", "topic"))
+
+
 def number(value: object) -> float | None:
     """A finite number of believable size, else None. Booleans are no numbers here.
 
@@ -29,6 +33,11 @@ def numbers(fields: Mapping[str, Field]) -> dict[str, float]:
     """The fields that are numbers, in their order."""
     found = ((name, number(value)) for name, value in fields.items())
     return {name: value for name, value in found if value is not None}
+
+
+def comparable(fields: Mapping[str, Field]) -> dict[str, Field]:
+    """The fields that say what is there, in their order."""
+    return {name: value for name, value in fields.items() if name not in ADDRESSES}
 
 
 def plain(value: Field) -> Field:

@@ -9,10 +9,21 @@ from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, likeness, pooled, recalled_voice
-from wakeful.treatments.measures import significant
-from wakeful.treatments.remembering import Difference, Ending, age_s, change, differences, ended, endings, of_entity, similar
+from wakeful.treatments.measures import comparable, significant
+from wakeful.treatments.remembering import (
+    Difference,
+    Ending,
+    age_s,
+    change,
+    differences,
+    ended,
+    endings,
+    of_entity,
+    resting,
+    similar,
+)
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import bare, brief, span, subject
+from wakeful.treatments.wording import bare, brief, counted, span, subject
 
 
 class MemorySettings(Fact, frozen=True):
@@ -21,7 +32,9 @@ class MemorySettings(Fact, frozen=True):
     sightings: int = 12
     cases: int = 8
     cases_deliberating: int = 20
-    alike: float = 0.8
+    alike: float = 0.6
+    """The least likeness of a case that counts as the same happening; 0.6 is a distance of two thirds in features that are
+    scaled to [0, 1], less than one differing category."""
     half_life_s: float = 3600.0
     """A memory that was never refreshed is worth half after so long; each further sighting makes it last as much longer."""
 
@@ -63,9 +76,10 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     alike = [case for case in await similar(event, mind, limit) if likeness(case) >= settings.alike]
     await mind.work(1)
 
-    differs = differences(event, past, mind.domain.fields)
+    same_kind = [episode for episode in past if episode.kind == event.kind]
+    differs = differences(event, same_kind, mind.domain.fields)
     changed = {difference.name for difference in differs}
-    compared = [name for name in event.fields if any(name in episode.fields for episode in past)]
+    compared = [name for name in comparable(event.fields) if any(name in episode.fields for episode in same_kind)]
     last_s = max(age_s(event, past[0]), 0.0) if past else None
     retention = 0.0 if last_s is None else 0.5 ** (last_s / (settings.half_life_s * len(past)))
     rows = endings(alike)
@@ -73,11 +87,17 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     forecast = pooled(mind, event, [voice])
     confidence = max(retention, 1.0 - 0.5 ** sum(row.weight for row in rows)) if past or alike else NOTHING_TO_GO_ON
     return Memory(
-        says=sentence(mind, subject(event), _differing(differs, past, last_s), _before(rows, len(alike)), expectation(forecast)),
+        says=sentence(
+            mind,
+            subject(event),
+            _differing(differs, past, len(same_kind), last_s),
+            _before(rows, len(alike), limit),
+            expectation(forecast),
+        ),
         confidence=sure(mind, 0.95 * confidence),
         rests_on=(
             f"event {event.id}",
-            *(f"event {case.event}" for case in [*past, *(case for case in alike if case not in past)]),
+            *resting([*past, *alike]),
             *forecast_reasons(mind, [voice]),
         ),
         would_change=_would_change(event, differs, alike, mind),
@@ -94,19 +114,23 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     )
 
 
-def _differing(differs: tuple[Difference, ...], past: tuple[Episode, ...], last_s: float | None) -> str:
+def _differing(differs: tuple[Difference, ...], past: tuple[Episode, ...], same_kind: int, last_s: float | None) -> str:
     if last_s is None:
-        return " is not remembered at all"
+        return "; not remembered at all"
+    if not same_kind:
+        return f"; remembered from {span(last_s)} ago, but never like this ({counted(len(past), 'sighting')} of other kinds)"
     if not differs:
-        return f" is as remembered from {span(last_s)} ago ({len(past)} sightings)"
+        return f"; as remembered ({counted(same_kind, 'such sighting')}, the last seen {span(last_s)} ago)"
     told = ", ".join(change(difference) for difference in differs[:3])
     more = f" and {len(differs) - 3} more" if len(differs) > 3 else ""
     oldest = max((difference.held_s or 0.0) for difference in differs)
-    return f" differs from what was remembered: {told}{more}, changed within the last {span(oldest)}"
+    return f"; differs from what was remembered: {told}{more}, changed within the last {span(oldest)}"
 
 
-def _before(rows: tuple[Ending, ...], happened: int) -> str:
-    return f"; it happened {happened} times before: {ended(rows)}" if happened else "; nothing like it has happened before"
+def _before(rows: tuple[Ending, ...], happened: int, limit: int) -> str:
+    if not happened:
+        return "; nothing like it has happened before"
+    return f"; it happened {counted(happened, 'time', limit)} before: {ended(rows)}"
 
 
 def _would_change(event: Event, differs: tuple[Difference, ...], alike: list[Episode], mind: Mind) -> tuple[str, ...]:

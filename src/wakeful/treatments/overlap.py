@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from wakeful.facts.domain import FieldSpec
 from wakeful.facts.values import Fact, Field
-from wakeful.treatments.measures import number, plain, significant
+from wakeful.treatments.measures import comparable, number, plain, significant
 
 #: From this agreement on an attribute counts as shared.
 SHARED = 0.9
@@ -31,6 +31,7 @@ def overlap(a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, 
     >>> overlap({"state": "hot", "load": 0.5}, {"state": "hot", "load": 0.75}, {}).share
     0.833333
     """
+    a, b = comparable(a), comparable(b)
     names = list(dict.fromkeys((*a, *b)))
     agreed = {name: _agreement(a[name], b[name], specs.get(name)) for name in names if name in a and name in b}
     return Overlap(

@@ -13,7 +13,7 @@ from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.procedure import Step, steps_for
-from wakeful.treatments.remembering import similar
+from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.routes import Trip, Way, graph_of, leg_name, trip_of, ways, without
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import brief, subject
@@ -62,7 +62,7 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
     await mind.work(1)
     voice = recalled_voice(mind.domain, past)
     forecast = pooled(mind, event, [voice])
-    reasons = (*(f"event {case.event}" for case in past if case.outcome), *forecast_reasons(mind, [voice]))
+    reasons = (*resting(case for case in past if case.outcome), *forecast_reasons(mind, [voice]))
     graph = graph_of(mind.domain)
     trip = trip_of(event, graph)
     if not (trip.start and trip.goal):

@@ -14,11 +14,15 @@ from wakeful.facts.events import Event
 from wakeful.facts.time import to_s
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.forecasting import likeness
-from wakeful.treatments.measures import number, plain, significant
+from wakeful.treatments.measures import comparable, number, plain, significant
 from wakeful.treatments.wording import valued, worded
 
 #: A number differs when it is off by more than this part of its declared range, or of itself where no range is declared.
 TOLERANCE = 0.05
+
+
+#: How many recalled events a result names.
+NAMED = 8
 
 
 class Ending(Fact, frozen=True):
@@ -56,9 +60,9 @@ async def similar(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]:
     return tuple(episode for episode in found if episode.event != event.id)
 
 
-async def of_entity(event: Event, mind: Mind, limit: int) -> tuple[Episode, ...]:
-    """Recall what is remembered of the event's entity, newest first, never the event itself."""
-    found = await mind.recall(Query(entity=event.entity, limit=limit))
+async def of_entity(event: Event, mind: Mind, limit: int, kind: str = "") -> tuple[Episode, ...]:
+    """Recall what is remembered of the event's entity (only events of a kind, if given), newest first, never the event itself."""
+    found = await mind.recall(Query(entity=event.entity, kind=kind, limit=limit))
     return newest_first(episode for episode in found if episode.event != event.id and episode.entity == event.entity)
 
 
@@ -90,6 +94,13 @@ def newest_first(episodes: Iterable[Episode]) -> tuple[Episode, ...]:
 def age_s(event: Event, episode: Episode) -> float:
     """How long before the event the episode was, by the source's clock; below zero where it came later."""
     return significant(to_s(event.stamp.source_ns - episode.at_ns))
+
+
+def resting(episodes: Iterable[Episode]) -> tuple[str, ...]:
+    """The episodes as ``rests_on`` names them: the first ones, and how many more."""
+    ids = list(dict.fromkeys(episode.event for episode in episodes))
+    more = (f"{len(ids) - NAMED} more recalled events",) if len(ids) > NAMED else ()
+    return (*(f"event {each}" for each in ids[:NAMED]), *more)
 
 
 def endings(episodes: Iterable[Episode]) -> tuple[Ending, ...]:
@@ -124,9 +135,12 @@ def same(name: str, a: Field, b: Field, specs: Mapping[str, FieldSpec]) -> bool:
 
 
 def differences(event: Event, past: Sequence[Episode], specs: Mapping[str, FieldSpec]) -> tuple[Difference, ...]:
-    """What differs between the event and the last sighting of its entity that had each field. ``past`` is newest first."""
+    """What differs between the event and the last sighting of its entity that had each field.
+
+    ``past`` is newest first, and of the event's own kind: another kind's fields may mean something else by the same name.
+    """
     found = []
-    for name, now in event.fields.items():
+    for name, now in comparable(event.fields).items():
         having = [episode for episode in past if name in episode.fields]
         if not having or same(name, now, having[0].fields[name], specs):
             continue

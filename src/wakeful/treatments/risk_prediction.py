@@ -15,7 +15,7 @@ from wakeful.treatments.forecasting import forecast_reasons, model_voice, pooled
 from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, worst
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
 from wakeful.treatments.measures import number
-from wakeful.treatments.remembering import similar
+from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
 from wakeful.treatments.wording import percent, span, subject
@@ -84,18 +84,18 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
         for label in shows_as(hazard, mind.domain)
         if hazard.name in open_now and len(shows_as(hazard, mind.domain)) == 1
     }
-    voices = [recalled_voice(mind.domain, past), model_voice(mind.domain, "hazard table", told, settings.table_cases)]
+    voices = [recalled_voice(mind.domain, past), model_voice(mind.domain, "hazard table", told)]
     forecast = pooled(mind, event, voices)
     halves = _halves(top, askable(mind.domain, event))
     # sure of a risk is who has a narrow interval, whatever its middle
     confidence = NOTHING_TO_GO_ON if top is None else 1.0 - (top.high - top.low)
     return RiskPrediction(
-        says=sentence(mind, subject(event), _risk(top, settings.mass), _time(ahead, heard)),
+        says=sentence(mind, subject(event), _risk(rows, settings.mass), _time(ahead, heard)),
         confidence=sure(mind, confidence),
         rests_on=(
             f"event {event.id}",
             *(f"hazard table: {row.hazard}" for row in rows if row.listed),
-            *(f"event {case.event}" for case in past if case.outcome),
+            *resting(case for case in past if case.outcome),
             *heard,
             *forecast_reasons(mind, voices),
         ),
@@ -111,45 +111,53 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
 
 
 def _of_its_own(event: Event, offers: Sequence[Askable]) -> Sequence[Askable]:
-    """Fresh readings of the very channel that the event is about: only these continue its value."""
+    """Readings of the very channel that the event is about: only these continue its value."""
     return [offer for offer in offers if offer.channel and offer.channel in (event.fields.get("channel"), event.entity)][:1]
 
 
 async def _hear(
     event: Event, mind: Mind, offer: Askable, limit_s: float, ahead: Countdown | None, heard: list[str]
 ) -> Countdown | None:
-    """Wait for a fresh reading; with the event's own value it gives a slope, and so a time to the limit."""
+    """Wait for another reading; with the event's own value it gives a slope, and so a time to the limit."""
     for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
         fresh = number(reading(evidence))
         before = number(event.fields.get("value"))
         gap_s = (evidence.at_ns - event.stamp.source_ns) / 1e9
         if fresh is None:
             continue
-        heard.append(f"evidence {offer.address}: {fresh:.3g} after {span(gap_s)}")
-        if before is not None and gap_s > 0.0:
-            ahead = to_limit(fresh, (fresh - before) / gap_s, event.fields) or ahead
+        heard.append(
+            f"evidence {offer.address}: {fresh:.3g}, {span(abs(gap_s))} {'after' if gap_s >= 0.0 else 'before'} the event"
+        )
+        if before is not None and gap_s != 0.0:
+            # a reading that was kept from before the event gives a slope as well
+            ahead = to_limit(fresh if gap_s > 0.0 else before, (fresh - before) / gap_s, event.fields) or ahead
     return ahead
 
 
-def _risk(top: HazardRow | None, mass: float) -> str:
+def _risk(rows: Sequence[HazardRow], mass: float) -> str:
+    top = worst(rows)
     if top is None:
-        return " opens no hazard of the table, and nothing like it has ended yet: its risk is unknown"
-    name = top.hazard.replace("_", " ")
-    if not top.listed:
-        return (
-            f" opens no hazard of the table; by how like cases ended, {name} may follow with {percent(top.likelihood)} "
-            f"({percent(mass)} credible {percent(top.low)} to {percent(top.high)})"
-        )
-    return (
-        f" carries a {top.rating} risk of {name}: likelihood {percent(top.likelihood)} "
-        f"({percent(mass)} credible {percent(top.low)} to {percent(top.high)}), severity class {top.severity} of 4"
-    )
+        return "; no hazard of the table is open, and nothing like it has ended yet: its risk is unknown"
+    unlisted = [row for row in rows if not row.listed]
+    told = ""
+    if top.listed:
+        name = top.hazard.replace("_", " ")
+        told = f"; a {top.rating} risk of {name}: likelihood {_likely(top, mass)}, severity class {top.severity} of 4"
+    if unlisted:
+        first = max(unlisted, key=lambda row: row.likelihood)
+        lead = "" if top.listed else "no hazard of the table is open; "
+        told += f"; {lead}by how like cases ended, {first.hazard.replace('_', ' ')} may follow with {_likely(first, mass)}"
+    return told
+
+
+def _likely(row: HazardRow, mass: float) -> str:
+    return f"{percent(row.likelihood)} ({percent(mass)} credible {percent(row.low)} to {percent(row.high)})"
 
 
 def _time(ahead: Countdown | None, heard: Sequence[str]) -> str:
     if ahead is None:
         return ""
-    return f"; {ahead.what} in {span(ahead.in_s)} ({ahead.because}{', by a fresh reading' if heard else ''})"
+    return f"; {ahead.what} in {span(ahead.in_s)} ({ahead.because}{', by another reading' if heard else ''})"
 
 
 def _halves(top: HazardRow | None, offers: Sequence[Askable]) -> str:

@@ -62,11 +62,11 @@ def unit(name: str) -> str:
 def quantity(name: str, value: float, digits: int = 3) -> str:
     """A number with the unit of its field.
 
-    >>> quantity("distance_m", 1.2345), quantity("tilt_deg", 7.0), quantity("load", 0.71)
-    ('1.23 m', '7°', '0.71')
+    >>> quantity("distance_m", 1.2345), quantity("tilt_deg", 7.0), quantity("silent_s", 18_812.0)
+    ('1.23 m', '7°', '18812 s')
     """
     sign = unit(name)
-    said = f"{value:.{digits}g}"
+    said = f"{value:.0f}" if 1e3 <= abs(value) < 1e9 else f"{value:.{digits}g}"
     return said + sign if sign in ("°", "%") else f"{said} {sign}".rstrip()
 
 
@@ -109,9 +109,24 @@ def span(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
+def counted(count: int, thing: str, most: int | None = None) -> str:
+    """How many of a thing; "at least" so many where the count went no further than ``most``.
+
+    >>> counted(1, "sighting"), counted(8, "case", 8)
+    ('1 sighting', 'at least 8 cases')
+    """
+    return f"{'at least ' if count == most else ''}{count} {thing}{'' if count == 1 else 's'}"
+
+
 def percent(share: float) -> str:
-    """A probability as a person reads it: whole per cents, finer below one and above 99."""
-    return f"{100 * share:.0f} %" if 0.01 <= share <= 0.99 or share in (0.0, 1.0) else f"{100 * share:.2g} %"
+    """A probability as a person reads it: whole per cents, finer below one and above 99.
+
+    >>> percent(0.123), percent(0.0042), percent(0.9987)
+    ('12 %', '0.42 %', '99.87 %')
+    """
+    if 0.01 <= share <= 0.99 or share in (0.0, 1.0):
+        return f"{100 * share:.0f} %"
+    return f"{100 * share:.4g} %" if share > 0.99 else f"{100 * share:.2g} %"
 
 
 def subject(event: Event, limit: int = 120) -> str:
