@@ -272,6 +272,12 @@ def test_history_and_latest_values_stand_in_the_context() -> None:
     assert event.observations == 3
 
 
+def test_a_domain_that_names_some_of_the_history_gets_only_that() -> None:
+    mind = scripted({0: [Shown(label="stop")], 1: [Found(fields={})]}, 'channels = ["arm/*"]\n[fields]\nsince_stop_s = {}\n')
+    mind.observe(seen(0, 0.0))
+    assert mind.observe(seen(1, 4.0)).events[0].context.fields == {"since_stop_s": 4.0}
+
+
 def test_an_unknown_detector_setting_or_placeholder_is_refused_with_a_way_out() -> None:
     head = 'name = "x"\nversion = 1\nsays = ""\n[[detect]]\nkind = "k"\n'
     with pytest.raises(DomainError, match=r"detect 1 names detector 'bnad'; use one of band, conditions"):

@@ -6,6 +6,7 @@ from typing import Final
 
 import msgspec
 
+from wakeful.facts.domain import DomainSpec
 from wakeful.facts.values import Field
 from wakeful.registration.memory import Known
 from wakeful.registration.plain import elapsed_s
@@ -30,27 +31,33 @@ class History:
     ``since_event_s`` and ``recent_events`` of the robot; ``since_entity_s`` and ``recent_entity`` of the entity;
     ``since_same_s`` of the same kind of event of the entity; for each outcome label ``since_<label>_s`` and ``recent_<label>``.
     "recent" is the last RECENT_S seconds.
+
+    Args:
+        spec: a domain that names any of these, among its fields or in a ``when``, gets only those it names; else it gets all.
     """
 
-    def __init__(self, labels: tuple[str, ...]) -> None:
-        self._labels = labels[1:]
+    def __init__(self, spec: DomainSpec) -> None:
+        self._labels = spec.outcome.labels[1:]
+        given = set(history_fields(spec.outcome.labels))
+        named = set(spec.fields).union(*(line.when for line in spec.guideline), *(line.when for line in spec.hazard))
+        self._wanted = given & named or given
         self.past = Past()
 
     def of(self, known: Known, kind: str, now_ns: int) -> dict[str, Field]:
         """The fields for an event of this kind, of the entity that ``known`` remembers."""
-        past = self.past
-        fields: dict[str, Field] = {
-            "recent_events": _count(past.events_ns, now_ns),
-            "recent_entity": _count(known.recent_ns, now_ns),
-        }
-        self._since(fields, "since_event_s", past.events_ns[-1:], now_ns)
-        self._since(fields, "since_entity_s", known.recent_ns[-1:], now_ns)
         same = known.kinds.get(kind)
-        self._since(fields, "since_same_s", [] if same is None else [same], now_ns)
-        for label in self._labels:
-            shown = past.outcomes_ns.get(label, [])
-            fields[f"recent_{label}"] = _count(shown, now_ns)
-            self._since(fields, f"since_{label}_s", shown[-1:], now_ns)
+        pasts: list[tuple[str, str, list[int]]] = [
+            ("since_event_s", "recent_events", self.past.events_ns),
+            ("since_entity_s", "recent_entity", known.recent_ns),
+            ("since_same_s", "", [] if same is None else [same]),
+        ]
+        pasts += [(f"since_{label}_s", f"recent_{label}", self.past.outcomes_ns.get(label, [])) for label in self._labels]
+        fields: dict[str, Field] = {}
+        for since, recent, instants_ns in pasts:
+            if since in self._wanted and instants_ns and (gone_s := elapsed_s(now_ns, instants_ns[-1])) != float("inf"):
+                fields[since] = round(gone_s, 3)
+            if recent in self._wanted:
+                fields[recent] = _count(instants_ns, now_ns)
         return fields
 
     def registered(self, now_ns: int) -> None:
@@ -61,10 +68,6 @@ class History:
         """An outcome was shown."""
         if label in self._labels:
             self.past.outcomes_ns[label] = [*self.past.outcomes_ns.get(label, [])[-(KEPT - 1) :], now_ns]
-
-    def _since(self, fields: dict[str, Field], name: str, last: list[int], now_ns: int) -> None:
-        if last and (gone := elapsed_s(now_ns, last[0])) != float("inf"):
-            fields[name] = round(gone, 3)
 
 
 def history_fields(labels: tuple[str, ...]) -> tuple[str, ...]:

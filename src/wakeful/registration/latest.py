@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Final, TypeVar
 
@@ -14,6 +15,7 @@ from wakeful.registration.channels import Channels, number_in
 from wakeful.registration.plain import Scalar, elapsed_s, field, scalar
 
 KEPT: Final = 1024
+_SPECIAL = re.compile(r"([*?\[])")
 
 
 class Seen(msgspec.Struct):
@@ -75,4 +77,4 @@ def _keep(kept: dict[str, V], channel: str, value: V) -> None:
 
 
 def _pattern(channel: str) -> str:
-    return channel.replace("{number}", "*")
+    return "*".join(_SPECIAL.sub(r"[\1]", part) for part in channel.split("{number}"))

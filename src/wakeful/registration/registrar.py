@@ -64,7 +64,7 @@ class SpecRegistrar:
         self._counts: dict[str, int] = {}
         self._latest = Latest(spec.fields)
         self._memory = EntityMemory(spec.fields)
-        self._history = History(spec.outcome.labels)
+        self._history = History(spec)
         self._conditions = OpenConditions()
         self._issued: dict[int, str] = {}
         self._written: dict[str, bytes] = {}
