@@ -8,8 +8,8 @@ import click
 
 from wakeful.cli.options import journal_option, json_option, print_json, reading
 from wakeful.cli.terminal import on_terminal, say, width
-from wakeful.cli.words import count, plain
 from wakeful.journal.audit import Audit, audit
+from wakeful.journal.wording.words import count, plain
 
 
 @click.command("audit")

@@ -9,8 +9,8 @@ import click
 
 from wakeful.cli.mistakes import Mistake
 from wakeful.cli.options import journal_option, option, reading
-from wakeful.cli.words import count
 from wakeful.journal.export import write_jsonl, write_parquet
+from wakeful.journal.wording.words import count
 
 
 @click.command("export")

@@ -9,10 +9,10 @@ import click
 
 from wakeful.cli.options import journal_option, json_option, print_json, reading
 from wakeful.cli.terminal import say, table
-from wakeful.cli.words import duration, percent
 from wakeful.facts.experience import Verdict
 from wakeful.facts.time import to_s
 from wakeful.journal.views import History, View, history
+from wakeful.journal.wording.words import duration, percent
 
 
 class TrustRow(View, frozen=True):

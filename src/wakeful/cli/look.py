@@ -9,11 +9,11 @@ import click
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
 from wakeful.cli.summary import print_curve, print_state
 from wakeful.cli.terminal import say, table
-from wakeful.cli.waiting import deadline_words, stands
-from wakeful.cli.words import count, duration, instant
 from wakeful.facts.processes import State
 from wakeful.facts.time import to_s
 from wakeful.journal.views import EventPast, History, ProcessPast, View, history, summary_of
+from wakeful.journal.wording.waiting import deadline_words, stands
+from wakeful.journal.wording.words import count, duration, instant
 
 
 class EventRow(View, frozen=True):

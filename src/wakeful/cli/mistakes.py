@@ -9,11 +9,11 @@ from typing import Any, NoReturn
 
 import click
 
-from wakeful.cli.words import plain
 from wakeful.contracts.bridge import SourceError
 from wakeful.contracts.domain import DomainError
 from wakeful.contracts.journal import JournalError
 from wakeful.journal.export import MissingExtra
+from wakeful.journal.wording.words import plain
 
 FAILED, USAGE, INTERRUPTED = 1, 2, 130
 

@@ -12,7 +12,7 @@ from types import FrameType
 
 import click
 
-from wakeful.cli.words import count, duration
+from wakeful.journal.wording.words import count, duration
 
 _EVERY_S = 0.1
 _BAR = 24

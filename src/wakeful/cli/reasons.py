@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from wakeful.cli.terminal import heading, paragraph, say
+from wakeful.cli.terminal import bar, heading, paragraph, say
 from wakeful.cli.weighed import CannotRecompute, weighed
-from wakeful.cli.words import bar, count, plain
-from wakeful.facts.decisions import Decision, Gate
+from wakeful.facts.decisions import Decision
 from wakeful.journal.sqlite import SqliteJournal
-from wakeful.journal.story import ProcessStory, Remembered
+from wakeful.journal.story import ProcessStory
 from wakeful.journal.views import History, Story
+from wakeful.journal.wording.decisions import MODES, gate_lines, memory_words, model_words
+from wakeful.journal.wording.words import count, plain
 
-_MODE = {"auto": "automatically", "delib": "with deliberation", "fallback": "in fallback (provisional)"}
 _SHOWN = 5
 
 
@@ -22,9 +22,9 @@ def print_decisions(journal: SqliteJournal, read: History, told: Story, process:
         return
     first = process.decisions[0]
     if process.role == "child":
-        paragraph(f"{first.treatment}, {_MODE[first.mode]}: {'; '.join(first.reasons)}")
+        paragraph(f"{first.treatment}, {MODES[first.mode]}: {'; '.join(first.reasons)}")
         return
-    paragraph(f"{first.treatment}, {_MODE[first.mode]}; {_model(read, first)}", 2, 2)
+    paragraph(f"{first.treatment}, {MODES[first.mode]}; {model_words(read, first)}", 2, 2)
     for candidate in first.candidates[:_SHOWN]:
         say(f"    {plain(candidate.treatment).ljust(18)} {candidate.probability:5.3f}  {bar(candidate.probability)}".rstrip())
     if len(first.candidates) > _SHOWN:
@@ -54,39 +54,10 @@ def _weights(journal: SqliteJournal, read: History, told: Story, decision: Decis
         paragraph(f"what weighed most for {decision.treatment}, against what is typical: {', '.join(spoke)}", 2, 2)
 
 
-def _model(read: History, decision: Decision) -> str:
-    if not decision.model:
-        return "no model yet, chosen by the domain's guidelines"
-    cards = {record.card.version: record.card for _, record in read.published}
-    line: list[str] = []
-    version = decision.model
-    while version in cards and str(version) not in line:
-        line.append(str(version))
-        version = cards[version].base
-    if len(line) > _SHOWN:
-        line = [*line[:2], "…", line[-1]]
-    trained = f", learned from {count(decision.watermark, 'experience')}" if decision.watermark else ""
-    return f"model version {' ← '.join(line) if line else decision.model}{trained}"
-
-
 def _gate(decision: Decision) -> None:
     say("  automatic only if")
     for text, holds in gate_lines(decision.gate):
         say(f"    {'yes' if holds else 'no '}  {text}")
-
-
-def gate_lines(gate: Gate) -> list[tuple[str, bool]]:
-    """The numbers that were compared, in words, each with whether it allowed automation."""
-    return [
-        (
-            f"confidence {gate.confidence:.3f} reaches the threshold {gate.threshold:.3f}"
-            if gate.threshold <= 1.0
-            else f"confidence {gate.confidence:.3f} reaches the threshold, which no confidence does yet",
-            gate.confidence >= gate.threshold,
-        ),
-        (f"novelty {gate.novelty:.3f} stays within {gate.novelty_limit:.3f}", gate.novelty <= gate.novelty_limit),
-        (f"trust {gate.trust:.3f} reaches {gate.trust_limit:.3f}", gate.trust >= gate.trust_limit),
-    ]
 
 
 def _rests_on(told: Story, decision: Decision) -> None:
@@ -94,16 +65,7 @@ def _rests_on(told: Story, decision: Decision) -> None:
     if found:
         say("  nearest validated experience")
     for memory in found:
-        paragraph(f"· {_memory(memory)}", 4, 2)
-
-
-def _memory(memory: Remembered) -> str:
-    experience = memory.experience
-    about = memory.says or f"{memory.kind} of {memory.entity}"
-    return (
-        f"{experience.id}: {about} [{experience.event[:10]}]: {experience.treatment} forecast "
-        f"{experience.predicted or 'nothing'}, the world showed {experience.outcome}: {experience.verdict}"
-    )
+        paragraph(f"· {memory_words(memory)}", 4, 2)
 
 
 def _change(earlier: Decision, later: Decision) -> None:
@@ -111,7 +73,7 @@ def _change(earlier: Decision, later: Decision) -> None:
     if (earlier.treatment, earlier.mode) == (later.treatment, later.mode):
         what = f"confirmed {later.treatment}, confidence {later.confidence:.2f}"
     else:
-        what = f"changed to {later.treatment}, {_MODE[later.mode]}, confidence {later.confidence:.2f}"
+        what = f"changed to {later.treatment}, {MODES[later.mode]}, confidence {later.confidence:.2f}"
     paragraph(f"then {what}")
     for reason in (
         later.reasons[len(earlier.reasons) :] if later.reasons[: len(earlier.reasons)] == earlier.reasons else later.reasons

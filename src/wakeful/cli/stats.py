@@ -8,8 +8,8 @@ import click
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
 from wakeful.cli.terminal import heading, paragraph, say, table
-from wakeful.cli.words import count, duration, percent
 from wakeful.journal.views import Stats, stats
+from wakeful.journal.wording.words import count, duration, percent
 
 
 @click.command("stats")

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from wakeful.cli.terminal import heading, paragraph, row, say
-from wakeful.cli.words import blocks, count, duration, instant, percent, plain
+from wakeful.cli.terminal import blocks, heading, paragraph, row, say
 from wakeful.journal.views import Share, StrangeEpisode, Summary
+from wakeful.journal.wording.words import count, duration, instant, percent, plain
 
 #: With fewer events a tenth of them says nothing.
 _LEAST_FOR_CURVE = 30

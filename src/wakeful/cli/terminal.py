@@ -1,4 +1,4 @@
-"""Tables and paragraphs: fitted to a terminal, plain and whole where they are piped."""
+"""Tables, paragraphs and bars: fitted to a terminal, plain and whole where they are piped."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from collections.abc import Sequence
 
 import click
 
-from wakeful.cli.words import plain
+from wakeful.journal.wording.words import plain
 
 _PIPED_WIDTH = 110
 _NARROWEST = 8
+_BLOCKS = "▁▂▃▄▅▆▇█"
 
 
 def on_terminal() -> bool:
@@ -99,3 +100,21 @@ def _line(cells: Sequence[str], widths: list[int], columns: Sequence[str], numbe
         for cell, limit, column in zip(cells, widths, columns, strict=True)
     ]
     return "  ".join(fitting).rstrip()
+
+
+def blocks(fractions: list[float | None]) -> str:
+    """Fractions as a row of blocks, a dot where there is none.
+
+    >>> blocks([0.0, 0.5, 1.0, None])
+    '▁▅█·'
+    """
+    return "".join("·" if share is None else _BLOCKS[min(7, int(max(0.0, share) * 8))] for share in fractions)
+
+
+def bar(fraction: float, width: int = 20) -> str:
+    """One fraction as a bar of at most ``width`` letters.
+
+    >>> bar(0.5, 10)
+    '█████'
+    """
+    return "█" * round(max(0.0, min(1.0, fraction)) * width)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wakeful.contracts.domain import DomainError
-from wakeful.domains import load
+from wakeful.domains import load, names
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.journal.sqlite import SqliteJournal
@@ -28,6 +28,9 @@ def weighed(journal: SqliteJournal, read: History, event: Event, decision: Decis
     if card is None or not decision.model:
         return ()
     opened = read.opened[-1]
+    # A journal from elsewhere may name a path; only what is installed is run.
+    if opened.domain not in names():
+        raise CannotRecompute(f"the domain {opened.domain} is not on this machine")
     try:
         spec = load(opened.domain).spec
     except DomainError as error:

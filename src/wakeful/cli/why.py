@@ -13,15 +13,9 @@ from wakeful.cli.outcome import print_result, print_since
 from wakeful.cli.reasons import print_decisions
 from wakeful.cli.terminal import heading, paragraph, row, say, width
 from wakeful.cli.thinking import print_thinking
-from wakeful.cli.words import count, duration, instant
-from wakeful.facts.time import to_s
-from wakeful.facts.values import Field, Value
-from wakeful.journal.results import in_words
 from wakeful.journal.sqlite import SqliteJournal
-from wakeful.journal.story import ProcessStory
 from wakeful.journal.views import EventPast, History, NoSuchEvent, Story, find_event, history, story
-
-_CRITICALITY = ("routine", "notable", "urgent", "critical")
+from wakeful.journal.wording.events import event_rows, role_words
 
 
 @click.command("why")
@@ -70,7 +64,7 @@ def print_story(journal: SqliteJournal, read: History, told: Story) -> None:
     _event(told)
     for process in told.processes:
         if process.role != "root":
-            heading(_role(process))
+            heading(role_words(process))
             if process.because:
                 paragraph(f"because {process.because}")
         print_decisions(journal, read, told, process)
@@ -90,30 +84,5 @@ def _event(told: Story) -> None:
     if event.says:
         paragraph(event.says)
     heading("Event")
-    robot = f", robot {event.robot}" if event.robot else ""
-    row("id", f"{event.id} (line {told.position}; {event.source}, position {event.position}{robot})")
-    since = f"±{duration(to_s(event.stamp.uncertainty_ns))}, " if event.stamp.uncertainty_ns else ""
-    row("when", f"{instant(event.stamp.source_ns)} ({since}{event.stamp.clock} clock)")
-    deadline = f", to be treated within {duration(event.deadline_s)}" if event.deadline_s is not None else ""
-    stands = f"stands for {count(event.observations, 'observation')}" if event.observations > 1 else ""
-    again = f"came {count(told.duplicates, 'time')} again" if told.duplicates else ""
-    weight = f"{_CRITICALITY[event.criticality]}{deadline}; {event.relation.value} against what was remembered"
-    row("weight", "; ".join(part for part in (weight, stands, again) if part))
-    row("fields", ", ".join(f"{name} = {in_words(_value(value), 4)}" for name, value in event.fields.items()))
-    context = {"task": event.context.task, "zone": event.context.zone, "safety": "yes" if event.context.safety else ""}
-    parts = [f"{name} = {value}" for name, value in context.items() if value]
-    parts += [f"{name} = {in_words(_value(value), 4)}" for name, value in event.context.fields.items()]
-    row("context", ", ".join(parts))
-    if event.condition:
-        parts = [part for part in event.condition.key.split("|") if part not in ("", event.source)]
-        row("condition", f"{' | '.join(parts)} ({event.condition.phase.value})")
-
-
-def _value(value: Field) -> Value:
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _role(process: ProcessStory) -> str:
-    if process.role == "child":
-        return f"{process.treatment.capitalize()} for process {process.parent} (process {process.id})"
-    return f"Reopening: process {process.id} thinks again about what process {process.reopens} concluded"
+    for name, text in event_rows(told):
+        row(name, text)

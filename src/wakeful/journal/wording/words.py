@@ -12,8 +12,6 @@ _CALENDAR_NS = 946_684_800 * NS_PER_S
 #: And before this one (the year 2200): beyond, a clock has gone wrong and its number is shown as it is.
 _CALENDAR_END_NS = 7_258_118_400 * NS_PER_S
 
-_BLOCKS = "▁▂▃▄▅▆▇█"
-
 
 def plain(text: str, limit: int = 0) -> str:
     """Outside text on one line and without control characters, so that no log can steer the terminal.
@@ -82,21 +80,3 @@ def instant(at_ns: int) -> str:
         moment = datetime.fromtimestamp(at_ns // NS_PER_S, UTC)
         return f"{moment:%Y-%m-%d %H:%M:%S}.{at_ns % NS_PER_S // 100_000_000}"
     return f"t={to_s(at_ns):.1f} s"
-
-
-def blocks(fractions: list[float | None]) -> str:
-    """Fractions as a row of blocks, a dot where there is none.
-
-    >>> blocks([0.0, 0.5, 1.0, None])
-    '▁▅█·'
-    """
-    return "".join("·" if share is None else _BLOCKS[min(7, int(max(0.0, share) * 8))] for share in fractions)
-
-
-def bar(fraction: float, width: int = 20) -> str:
-    """One fraction as a bar of at most ``width`` letters.
-
-    >>> bar(0.5, 10)
-    '█████'
-    """
-    return "█" * round(max(0.0, min(1.0, fraction)) * width)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import msgspec
 
-from wakeful.cli.words import count, percent, plain
 from wakeful.facts.asking import Kind
 from wakeful.facts.lines import Answered
 from wakeful.facts.values import Value
 from wakeful.journal.results import in_words
+from wakeful.journal.wording.words import count, percent, plain
 
 _LONGEST = 160
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from wakeful.cli.words import duration, plain
 from wakeful.facts.asking import Kind
 from wakeful.facts.lines import Asked
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.time import to_s
-from wakeful.journal.views import History, ProcessPast, waits_for
+from wakeful.journal.history import History, ProcessPast, waits_for
+from wakeful.journal.wording.words import duration, plain
 
 _ASKS: dict[Kind, str] = {
     Kind.EVIDENCE: "evidence {}",

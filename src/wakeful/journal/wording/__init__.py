@@ -1,0 +1,1 @@
+"""The read views in words: what the command line prints and the page shows, said once."""

@@ -1,0 +1,52 @@
+"""A decision in words: how it was executed, the model version, the gate's numbers, what was remembered."""
+
+from __future__ import annotations
+
+from wakeful.facts.decisions import Decision, Gate, Mode
+from wakeful.journal.history import History
+from wakeful.journal.story import Remembered
+from wakeful.journal.wording.words import count
+
+MODES: dict[Mode, str] = {"auto": "automatically", "delib": "with deliberation", "fallback": "in fallback (provisional)"}
+_VERSIONS = 5
+"""A longer lineage is told by its ends."""
+
+
+def model_words(read: History, decision: Decision) -> str:
+    """The model version that decided, with what it came from."""
+    if not decision.model:
+        return "no model yet, chosen by the domain's guidelines"
+    cards = {record.card.version: record.card for _, record in read.published}
+    line: list[str] = []
+    version = decision.model
+    while version in cards and str(version) not in line:
+        line.append(str(version))
+        version = cards[version].base
+    if len(line) > _VERSIONS:
+        line = [*line[:2], "…", line[-1]]
+    trained = f", learned from {count(decision.watermark, 'experience')}" if decision.watermark else ""
+    return f"model version {' ← '.join(line) if line else decision.model}{trained}"
+
+
+def gate_lines(gate: Gate) -> list[tuple[str, bool]]:
+    """The numbers that were compared, in words, each with whether it allowed automation."""
+    return [
+        (
+            f"confidence {gate.confidence:.3f} reaches the threshold {gate.threshold:.3f}"
+            if gate.threshold <= 1.0
+            else f"confidence {gate.confidence:.3f} reaches the threshold, which no confidence does yet",
+            gate.confidence >= gate.threshold,
+        ),
+        (f"novelty {gate.novelty:.3f} stays within {gate.novelty_limit:.3f}", gate.novelty <= gate.novelty_limit),
+        (f"trust {gate.trust:.3f} reaches {gate.trust_limit:.3f}", gate.trust >= gate.trust_limit),
+    ]
+
+
+def memory_words(memory: Remembered) -> str:
+    """A remembered experience: what its event was, what was forecast, and what the world showed."""
+    experience = memory.experience
+    about = memory.says or f"{memory.kind} of {memory.entity}"
+    return (
+        f"{experience.id}: {about} [{experience.event[:10]}]: {experience.treatment} forecast "
+        f"{experience.predicted or 'nothing'}, the world showed {experience.outcome}: {experience.verdict}"
+    )
