@@ -127,3 +127,12 @@ def test_one_reading_with_several_values_answers_every_symptom_that_it_tells_of(
     assert result.findings == {"state=abnormal": True, "current_a=>6": True, "temperature_c=>70": False}
     assert len(result.asked) == 1
     assert result.suspects[0].fault == "stalled"
+
+
+def test_a_fault_that_explains_only_what_happened_near_it_is_not_named_as_this_events_fault() -> None:
+    told = script(episode("e1", 10.0, kind="stop", entity="cell"), episode("e2", 12.0, kind="current_high", entity="J1"))
+    result = ScriptedMind(DOMAIN, "auto", told).run(diagnosis, event("door_open", "door"))
+    assert isinstance(result, Diagnosis)
+    assert not any(suspect.explains for suspect in result.suspects)
+    assert "no fault of the table explains it; signs near it (current_high, stop) point to worn gear" in result.says
+    assert result.confidence == 0.1

@@ -13,7 +13,7 @@ from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled
 from wakeful.treatments.measures import number, plain
 from wakeful.treatments.remembering import age_s, of_entity, resting, same, similar, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import brief, counted, span, subject, valued, worded
+from wakeful.treatments.wording import ago, brief, counted, subject, valued, worded
 
 #: How many sightings or like cases tell what is normal here.
 SIGHTINGS = 8
@@ -134,10 +134,8 @@ def _shown(event: Event, attributes: tuple[Attribute, ...], odd: list[Attribute]
 def _beside(event: Event, scene: SceneEntry, odd: list[Attribute], past: tuple[Episode, ...]) -> str:
     if not past:
         return "; nothing like it is remembered"
-    last = max(age_s(event, past[0]), 0.0)
-    seen = (
-        f"; {counted(len(past), 'sighting' if scene.usual_of == 'its own' else 'like case')} recalled, the last {span(last)} ago"
-    )
+    of = "sighting" if scene.usual_of == "its own" else "like case"
+    seen = f"; {counted(len(past), of)} recalled, the last {ago(age_s(event, past[0]))}"
     if not odd:
         return seen + ", all as usual" if scene.attributes else seen
     return seen + ", unusual: " + ", ".join(f"{worded(a.name, a.value)} (usually {valued(a.name, a.usual)})" for a in odd[:NAMED])

@@ -18,7 +18,7 @@ from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
 from wakeful.treatments.remembering import age_s, of_robot, resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.symptoms import findings, holds, split
+from wakeful.treatments.symptoms import findings, holds, seen_in, split
 from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
 from wakeful.treatments.wording import percent, subject, worded
 
@@ -43,6 +43,8 @@ class Suspect(Fact, frozen=True):
     fault: str
     posterior: float
     prior: float
+    explains: bool = False
+    """Whether it causes a sign of the event itself, not only of others near it."""
     shown: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     check: str = ""
@@ -60,7 +62,7 @@ class Check(Fact, frozen=True):
 
 
 class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
-    """The suspects, the most likely first, and the check that would tell most."""
+    """The suspects, those that explain the event itself first, then by posterior, and the check that would tell most."""
 
     suspects: tuple[Suspect, ...] = ()
     unexplained: float = 1.0
@@ -97,7 +99,7 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
     asked: list[str] = []
     heard: list[str] = []
     offers = askable(mind.domain, event)
-    while mind.mode == "delib" and len(asked) < settings.rounds and not _settled(network, known, settings):
+    while mind.mode == "delib" and len(asked) < settings.rounds and _open(event, network, known, settings):
         check, offer = _most_telling(network, known, offers, asked, settings)
         limit_s = patience_s(event, mind, offer) if offer is not None else 0.0
         if check is None or offer is None or limit_s <= 0.0:
@@ -119,8 +121,15 @@ async def _recent(event: Event, mind: Mind, settings: DiagnosisSettings) -> tupl
     return tuple(episode for episode in past if abs(age_s(event, episode)) <= window_s)
 
 
-def _settled(network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> bool:
-    return max(network.posterior(known).values(), default=1.0) >= settings.threshold
+def _open(event: Event, network: Network, known: Mapping[str, bool], settings: DiagnosisSettings) -> bool:
+    """Whether looking on makes sense: some fault explains the event, and none of those has passed the threshold."""
+    explaining = {fault.name for fault in network.faults if _explains(fault, event)}
+    shares = [share for name, share in network.posterior(known).items() if name in explaining]
+    return bool(shares) and max(shares) < settings.threshold
+
+
+def _explains(fault: Fault, event: Event) -> bool:
+    return any(seen_in(symptom, event) for symptom in fault.causes)
 
 
 def _most_telling(
@@ -168,18 +177,17 @@ def _conclude(
     heard: tuple[str, ...],
 ) -> Diagnosis:
     posterior = network.posterior(known)
-    suspects = tuple(
-        sorted((_suspect(f, posterior[f.name], known) for f in network.faults), key=lambda s: (-s.posterior, s.fault))
-    )
+    every = [_suspect(event, fault, posterior[fault.name], known) for fault in network.faults]
+    suspects = tuple(sorted(every, key=lambda each: (not each.explains, -each.posterior, each.fault)))
     shown = tuple(symptom for symptom, seen in known.items() if seen)
     check, _ = _most_telling(network, known, askable(mind.domain, event), (), settings) if shown else (None, None)
     voices = [recalled_voice(mind.domain, past), _outcomes(mind, network, known)]
     forecast = pooled(mind, event, voices)
     top = suspects[0] if suspects and shown else None
-    settled = top is not None and top.posterior >= settings.threshold
+    settled = top is not None and top.explains and top.posterior >= settings.threshold
     return Diagnosis(
-        says=sentence(mind, subject(event), _named(top, suspects, shown, mind), _next(check, settled), expectation(forecast)),
-        confidence=sure(mind, NOTHING_TO_GO_ON if top is None else top.posterior),
+        says=sentence(mind, subject(event), _named(top, suspects, mind), _next(check, settled), expectation(forecast)),
+        confidence=sure(mind, top.posterior if top is not None and top.explains else NOTHING_TO_GO_ON),
         rests_on=(
             f"event {event.id}",
             *(f"fault table: {symptom} {'seen' if seen else 'not there'}" for symptom, seen in known.items()),
@@ -200,11 +208,12 @@ def _conclude(
     )
 
 
-def _suspect(fault: Fault, posterior: float, known: Mapping[str, bool]) -> Suspect:
+def _suspect(event: Event, fault: Fault, posterior: float, known: Mapping[str, bool]) -> Suspect:
     return Suspect(
         fault=fault.name,
         posterior=significant(posterior),
         prior=fault.prior,
+        explains=_explains(fault, event),
         shown=tuple(symptom for symptom in fault.causes if known.get(symptom) is True),
         missing=tuple(symptom for symptom in fault.causes if known.get(symptom) is False),
         check=fault.check,
@@ -220,14 +229,17 @@ def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool]) -> Voice 
     return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named})
 
 
-def _named(top: Suspect | None, suspects: Sequence[Suspect], shown: Sequence[str], mind: Mind) -> str:
+def _named(top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
     if not suspects:
         return f": no diagnosis, because domain {mind.domain.name} has no fault table"
     if top is None:
         return f": no fault of the table shows itself ({len(suspects)} faults, none with a symptom seen here)"
-    others = ", ".join(f"{other.fault} {percent(other.posterior)}" for other in suspects[1:3])
-    signs = f"by {', '.join(top.shown)}" if top.shown else f"though {', '.join(shown)} speaks for none of its own signs"
-    return f": {top.fault} {percent(top.posterior)} (from {percent(top.prior)} {signs}{'; then ' + others if others else ''})"
+    if not top.explains:
+        near = f"; signs near it ({', '.join(top.shown[:3])}) point to {top.fault}, {percent(top.posterior)}"
+        return f": no fault of the table explains it{near if top.shown else ''}"
+    others = ", ".join(f"{other.fault} {percent(other.posterior)}" for other in suspects[1:3] if other.explains)
+    signs = f"from {percent(top.prior)} by {', '.join(top.shown)}"
+    return f": {top.fault} {percent(top.posterior)} ({signs}{'; then ' + others if others else ''})"
 
 
 def _next(check: Check | None, settled: bool) -> str:

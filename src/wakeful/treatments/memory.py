@@ -23,7 +23,7 @@ from wakeful.treatments.remembering import (
     similar,
 )
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.wording import bare, brief, counted, span, subject
+from wakeful.treatments.wording import ago, bare, brief, counted, span, subject
 
 
 class MemorySettings(Fact, frozen=True):
@@ -46,6 +46,7 @@ class Memory(Result, frozen=True, kw_only=True, tag="memory"):
     sightings: int = 0
     last_seen: str = ""
     last_seen_s: float | None = None
+    """How long ago; below zero where it was by another clock, so that nobody knows."""
     retention: float = 0.0
     """How much of the memory may still hold, in [0, 1]: the forgetting curve at the age of the last sighting."""
     differs: tuple[Difference, ...] = ()
@@ -80,8 +81,8 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     differs = differences(event, same_kind, mind.domain.fields)
     changed = {difference.name for difference in differs}
     compared = [name for name in comparable(event.fields) if any(name in episode.fields for episode in same_kind)]
-    last_s = max(age_s(event, past[0]), 0.0) if past else None
-    retention = 0.0 if last_s is None else 0.5 ** (last_s / (settings.half_life_s * len(past)))
+    last_s = age_s(event, past[0]) if past else None
+    retention = _retention(last_s, len(past), settings)
     rows = endings(alike)
     voice = recalled_voice(mind.domain, alike)
     forecast = pooled(mind, event, [voice])
@@ -114,17 +115,26 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     )
 
 
+def _retention(last_s: float | None, sightings: int, settings: MemorySettings) -> float:
+    if last_s is None:
+        return 0.0
+    if last_s < 0.0:
+        return 0.5  # by another clock: how old the memory is nobody knows
+    return float(0.5 ** (last_s / (settings.half_life_s * sightings)))
+
+
 def _differing(differs: tuple[Difference, ...], past: tuple[Episode, ...], same_kind: int, last_s: float | None) -> str:
     if last_s is None:
         return "; not remembered at all"
     if not same_kind:
-        return f"; remembered from {span(last_s)} ago, but never like this ({counted(len(past), 'sighting')} of other kinds)"
+        return f"; remembered, the last {ago(last_s)}, but never like this ({counted(len(past), 'sighting')} of other kinds)"
     if not differs:
-        return f"; as remembered ({counted(same_kind, 'such sighting')}, the last seen {span(last_s)} ago)"
+        return f"; as remembered ({counted(same_kind, 'such sighting')}, the last seen {ago(last_s)})"
     told = ", ".join(change(difference) for difference in differs[:3])
     more = f" and {len(differs) - 3} more" if len(differs) > 3 else ""
     oldest = max((difference.held_s or 0.0) for difference in differs)
-    return f"; differs from what was remembered: {told}{more}, changed within the last {span(oldest)}"
+    since = f", changed within the last {span(oldest)}" if oldest > 0.0 else f", the last seen {ago(last_s)}"
+    return f"; differs from what was remembered: {told}{more}{since}"
 
 
 def _before(rows: tuple[Ending, ...], happened: int, limit: int) -> str:

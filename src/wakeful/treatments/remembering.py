@@ -148,8 +148,8 @@ def differences(event: Event, past: Sequence[Episode], specs: Mapping[str, Field
         run = 0
         while run < len(having) and same(name, was, having[run].fields[name], specs):
             run += 1
-        held = max(age_s(event, having[0]), 0.0)
-        found.append(Difference(name=name, was=plain(was), now=plain(now), held_s=held, sightings=run))
+        held = age_s(event, having[0])
+        found.append(Difference(name=name, was=plain(was), now=plain(now), held_s=held if held >= 0.0 else None, sightings=run))
     return tuple(found)
 
 

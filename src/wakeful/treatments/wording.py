@@ -109,6 +109,17 @@ def span(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
+def ago(seconds: float) -> str:
+    """When something recalled was, by the age that its stamp gives; another recording's clock may give one below zero.
+
+    >>> ago(90.0), ago(0.0), ago(-3.0)
+    ('1.5 min ago', 'at the same time', 'by another clock')
+    """
+    if seconds > 0.0:
+        return f"{span(seconds)} ago"
+    return "at the same time" if seconds == 0.0 else "by another clock"
+
+
 def counted(count: int, thing: str, most: int | None = None) -> str:
     """How many of a thing; "at least" so many where the count went no further than ``most``.
 
@@ -134,5 +145,5 @@ def subject(event: Event, limit: int = 120) -> str:
     name = brief(event.entity) or "something"
     said = brief(event.says, limit).rstrip(".")
     if said:
-        return said if name in said else f"{name}: {said}"
+        return said if name.casefold() in said.casefold() else f"{name}: {said}"
     return f"{name}: {event.kind.replace('_', ' ')}"
