@@ -15,6 +15,8 @@ from wakeful.registration.detectors.base import Seen, Settings, settings_of, sho
 from wakeful.registration.plain import clean, elapsed_s
 
 TOPICS: Final = 512
+MEMORY: Final = 200
+"""Intervals over which a topic's rhythm is learned and forgotten."""
 
 
 class SilenceSettings(Settings, frozen=True):
@@ -91,12 +93,14 @@ class SilenceDetector:
         if gone_s == float("inf"):
             return
         limit_s = self._limit_s(rhythm)
-        # a silence that was one must not become usual
-        gone_s = gone_s if limit_s is None else min(gone_s, limit_s)
         rhythm.count += 1
-        rate = 1.0 / min(rhythm.count, 200)
-        rhythm.varies_s += rate * (abs(gone_s - rhythm.usual_s) - rhythm.varies_s) if rhythm.count > 1 else 0.0
-        rhythm.usual_s += rate * (gone_s - rhythm.usual_s)
+        rate = 1.0 / min(rhythm.count, MEMORY)
+        if rhythm.count > 1:
+            # a topic that falls silent again and again is irregular: silences count here, though one alone must not decide
+            away_s = abs(gone_s - rhythm.usual_s) if limit_s is None else min(abs(gone_s - rhythm.usual_s), 10.0 * limit_s)
+            rhythm.varies_s += rate * (away_s - rhythm.varies_s)
+        # a silence that was one must not become usual
+        rhythm.usual_s += rate * ((gone_s if limit_s is None else min(gone_s, limit_s)) - rhythm.usual_s)
         limit_s = self._limit_s(rhythm)
         if limit_s is not None:
             due_ns = at_ns + round(min(limit_s, 1e9) * 1e9)
