@@ -53,7 +53,10 @@ def text(values: Values, key: str, most: int = 300) -> str:
     value = values.get(key)
     if not isinstance(value, str):
         return ""
-    return "".join(letter if letter.isprintable() else " " for letter in value[: 4 * most]).strip()[:most]
+    value = value[: 4 * most]
+    if value.isprintable():
+        return value.strip()[:most]
+    return "".join(letter if letter.isprintable() else " " for letter in value).strip()[:most]
 
 
 def series(values: Values, key: str) -> tuple[float | None, ...]:

@@ -77,8 +77,11 @@ def test_the_recorded_turtlebot_drives_off_once_and_stops_once(shared_data: Path
     pytest.importorskip("rosbags", reason="needs the extra wakeful[ros]")
     events, outcomes, count = _register(shared_data / "rosbag2_turtlebot")
     assert count == 2425
-    assert [one.kind for one in events] == ["start", "stop"]
-    assert [one.label for one in outcomes] == ["stopped"]
+    assert [one.kind for one in events if one.kind in ("start", "stop", "unexpected_stop")] == ["start", "stop"]
+    # it is asked for 0.5 m/s all the time and its base is limited to 0.31
+    assert "shortfall" in {one.kind for one in events}
+    assert len(events) <= 6
+    assert [one.label for one in outcomes if one.entity == "*"] == ["stopped"]
 
 
 def test_the_recorded_jackal_slips_in_its_turns(shared_data: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from tests.domains.watching import Watch
 from wakeful.domains.mobile_base.drive import Drive
+from wakeful.domains.mobile_base.following import Following
 from wakeful.domains.mobile_base.shocks import Shocks
 from wakeful.domains.mobile_base.slip import Slip
 from wakeful.facts.events import Phase
@@ -50,14 +51,26 @@ def test_a_stop_that_was_commanded_is_routine() -> None:
 
 
 def test_resting_against_a_command_is_an_unexpected_stop_and_a_stall() -> None:
-    watch = Watch(Drive)
-    for tick in range(300):
+    drive, following = Watch(Drive), Watch(Following)
+    for tick in range(400):
+        for watch in (drive, following):
+            if tick % 4 == 0:
+                _command(watch, tick / 20, 0.5)
+            _drive(watch, tick / 20 + 0.01, 0.5 if 2 <= tick < 160 or tick >= 300 else 0.0)
+    assert [one.kind for one in drive.events] == ["start", "unexpected_stop", "start"]
+    assert drive.shown == [("stopped", "*"), ("recovered", "base")]
+    assert [(one.kind, one.phase) for one in following.found()] == [("stall", Phase.RAISED), ("stall", Phase.CLEARED)]
+    assert following.shown == [("recovered", "drive")]
+
+
+def test_a_base_that_is_limited_falls_short_once() -> None:
+    watch = Watch(Following)
+    for tick in range(600):
         if tick % 4 == 0:
-            _command(watch, tick / 20, 0.5 if tick < 260 else 0.0)
-        _drive(watch, tick / 20 + 0.01, 0.5 if 2 <= tick < 160 else 0.0)
-    assert [one.kind for one in watch.events] == ["start", "unexpected_stop", "stall"]
-    assert watch.phases("stall") == [Phase.RAISED, Phase.CLEARED]
-    assert ("recovered", "base") in watch.shown
+            _command(watch, tick / 20, 0.5)
+        _drive(watch, tick / 20 + 0.01, min(0.3, tick / 20))
+    assert [(one.kind, one.phase) for one in watch.found()] == [("shortfall", Phase.RAISED)]
+    assert "60% of the 0.50 m/s" in watch.events[0].says
 
 
 def test_an_old_command_asks_for_nothing() -> None:
@@ -97,7 +110,7 @@ def test_when_the_first_odometry_ends_the_other_takes_over() -> None:
 
 
 def test_of_several_commands_none_that_asks_for_rest_makes_a_stall() -> None:
-    watch = Watch(Drive)
+    watch = Watch(Following)
     for tick in range(200):
         _drive(watch, tick / 20, 0.0)
         for name, speed in [("cmd_vel_nav", 0.5), ("cmd_vel_stop", 0.0)]:

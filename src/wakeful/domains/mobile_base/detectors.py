@@ -5,6 +5,7 @@ from __future__ import annotations
 from wakeful.contracts.detector import DetectorFactory
 from wakeful.domains.mobile_base.contacts import Contacts
 from wakeful.domains.mobile_base.drive import Drive
+from wakeful.domains.mobile_base.following import Following
 from wakeful.domains.mobile_base.jumps import Jumps
 from wakeful.domains.mobile_base.obstacles import Obstacles
 from wakeful.domains.mobile_base.reports import Reports
@@ -14,6 +15,7 @@ from wakeful.domains.mobile_base.slip import Slip
 
 DETECTORS: dict[str, DetectorFactory] = {
     "base_drive": Drive,
+    "base_following": Following,
     "base_slip": Slip,
     "base_obstacles": Obstacles,
     "base_silence": Silence,

@@ -7,6 +7,7 @@ from math import hypot
 import msgspec
 
 from wakeful.domains.latch import Latch
+from wakeful.domains.mobile_base.clock import Clock
 from wakeful.domains.mobile_base.messages import frame, message_type, nearest_topic
 from wakeful.domains.plain import number, within
 from wakeful.facts.events import Observation, Phase
@@ -17,7 +18,7 @@ MOVING_MPS, MOVING_RADPS = 0.05, 0.1
 """Above one of these the base moves; under half of both it rests."""
 
 _START_NS, _REST_NS = to_ns(0.3), to_ns(0.5)
-_OWNED_NS = to_ns(3.0)
+_FRESH_NS, _OWNED_NS = to_ns(0.5), to_ns(3.0)
 _MOST_BASES = 16
 
 
@@ -25,6 +26,8 @@ class Motion(msgspec.Struct):
     """One odometry topic's last word: pose in its own frame, forward, sideways and turning speed, and whether it moves."""
 
     at_ns: int = 0
+    heard_ns: int = 0
+    """When it was heard, in the common time of the recording's clocks."""
     x_m: float = 0.0
     y_m: float = 0.0
     yaw_rad: float = 0.0
@@ -108,6 +111,7 @@ class Bases(msgspec.Struct):
     as long as it goes on. Bases that share frame names have transforms in a name space of their own.
     """
 
+    clock: Clock = msgspec.field(default_factory=Clock)
     by_topic: dict[str, Motion] = {}
     owners: dict[str, str] = {}
     """The odometry topic that counts, by base."""
@@ -115,28 +119,33 @@ class Bases(msgspec.Struct):
     """Name spaces with transforms of their own."""
 
     def see(self, observation: Observation) -> tuple[Motion, Phase | None] | None:
-        """Take up an odometry message.
+        """Take up an odometry message, and the time of any message.
 
         Returns:
             The motion, and RAISED when the base began to move, CLEARED when it came to rest; None for any other message and for
             a further odometry of the same base.
         """
+        now_ns = self.clock.see(observation)
         if message_type(observation) in ("TFMessage", "tfMessage"):
             space = observation.topic.strip("/").rpartition("/")[0]
             if space and space not in self.spaces and len(self.spaces) < _MOST_BASES:
                 self.spaces.append(space)
             return None
         said = reported(observation)
-        if said is None or not self._counts(observation, said):
+        if said is None or not self._counts(observation, said, now_ns):
             return None
         motion = self.by_topic.setdefault(observation.topic, Motion())
-        motion.at_ns, motion.known = observation.at_ns, True
+        motion.at_ns, motion.heard_ns, motion.known = observation.at_ns, now_ns, True
         motion.x_m = motion.x_m if said.x_m is None else said.x_m
         motion.y_m = motion.y_m if said.y_m is None else said.y_m
         motion.yaw_rad = motion.yaw_rad if said.yaw_rad is None else said.yaw_rad
         motion.forward_mps, motion.sideways_mps, motion.turning_radps = said.forward_mps, said.sideways_mps, said.turning_radps
         motion.frame, motion.child = said.frame, said.child
         return motion, motion.latch.see(_level(motion), observation.at_ns, _START_NS, _REST_NS)
+
+    def fresh(self, motion: Motion) -> bool:
+        """Whether the motion was heard within the last half second."""
+        return motion.known and (self.clock.now_ns or 0) - motion.heard_ns <= _FRESH_NS
 
     def of(self, topic: str) -> Motion:
         """The motion of the base that a topic belongs to; an unknown motion where that is not clear."""
@@ -151,14 +160,18 @@ class Bases(msgspec.Struct):
         space = motion.child.rpartition("/")[0] or topic.strip("/").partition("/")[0]
         return f"base {space}"
 
-    def _counts(self, observation: Observation, said: Reported) -> bool:
+    def part(self, part: str, topic: str) -> str:
+        """What a part of that base is called: its name alone where there is one base."""
+        name = self.name(topic)
+        return part if name == "base" else f"{part} of {name}"
+
+    def _counts(self, observation: Observation, said: Reported, now_ns: int) -> bool:
         topic = observation.topic
         space = next((one for one in self.spaces if topic.strip("/").startswith(f"{one}/")), "")
         base = f"{space}@{said.child}" if said.child else topic
         owner = self.owners.get(base)
         if owner is not None and owner != topic:
-            quiet_ns = observation.at_ns - self.by_topic[owner].at_ns if owner in self.by_topic else _OWNED_NS
-            if 0 <= quiet_ns < _OWNED_NS:
+            if owner in self.by_topic and now_ns - self.by_topic[owner].heard_ns < _OWNED_NS:
                 return False
             self.by_topic.pop(owner, None)
         elif owner is None and len(self.owners) >= _MOST_BASES:

@@ -18,7 +18,7 @@ from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.time import to_ns, to_s
 
-_FRESH_NS, _WINDOW_NS = to_ns(0.5), to_ns(1.0)
+_WINDOW_NS = to_ns(1.0)
 _CLOSING_SHARE = 0.3
 """Of the speed, as much as the distance must shrink by for something to count as approached."""
 _SHALLOWEST = 0.2
@@ -58,7 +58,7 @@ class Obstacles(Remembering[_Memory]):
         if kind not in ("LaserScan", "Range"):
             return
         motion = memory.bases.of(observation.topic)
-        if not motion.known or not 0 <= observation.at_ns - motion.at_ns <= _FRESH_NS:
+        if not memory.bases.fresh(motion):
             return
         mounted = memory.frames.yaw(frame(observation.values), motion.child)
         returns = _returns(observation, mounted, kind)

@@ -85,7 +85,6 @@ class Reports(Remembering[_Memory]):
                 "level": LEVELS[level],
                 "severity": (0.0, 0.5, 0.9, 0.7)[level],
                 "worse": level > before,
-                "text": said,
             },
             says=f"Diagnostics of {name}: {LEVELS[before]} became {LEVELS[level]}: {said or 'no message'} ({motion.says()}).",
             criticality=2 if level >= 2 else 1,
@@ -124,7 +123,6 @@ class Reports(Remembering[_Memory]):
             "level": word,
             "severity": 0.25 * severity,
             "count": within(seen.count, 0.0, 100.0),
-            "text": said,
         }
         yield Found(
             kind="log_message",

@@ -74,8 +74,9 @@ class Shocks(Remembering[_Memory]):
         sensor.usual_mps2 += (min(size, limit) - sensor.usual_mps2) * share
         if size < limit or sensor.count < 20:
             return
-        before_ns, self.memory.shock_ns = self.memory.shock_ns, observation.at_ns
-        if before_ns is not None and 0 <= observation.at_ns - before_ns < _QUIET_NS:
+        now_ns = self.memory.bases.clock.now_ns or 0
+        before_ns, self.memory.shock_ns = self.memory.shock_ns, now_ns
+        if before_ns is not None and now_ns - before_ns < _QUIET_NS:
             return
         motion = self.memory.bases.of(observation.topic)
         if size >= _CONTACT_MPS2:
@@ -110,10 +111,10 @@ class Shocks(Remembering[_Memory]):
             return
         motion = self.memory.bases.of(observation.topic)
         if phase is Phase.CLEARED:
-            yield Shown(label="recovered", entity="base")
+            yield Shown(label="recovered", entity="attitude")
         yield Found(
             kind="tilt",
-            entity="base",
+            entity="attitude",
             fields={
                 **motion.fields(),
                 "tilt_deg": within(tilt_deg, 0.0, 180.0),

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import msgspec
 
 from wakeful.contracts.detector import Found, Shown
+from wakeful.domains.mobile_base.clock import Clock
 from wakeful.domains.mobile_base.messages import STREAMS, message_type
 from wakeful.domains.plain import number, within
 from wakeful.domains.remembering import Remembering, Seen
@@ -31,7 +32,7 @@ class Stream(msgspec.Struct):
 
 class _Memory(msgspec.Struct):
     streams: dict[str, Stream] = {}
-    last_ns: int | None = None
+    clock: Clock = msgspec.field(default_factory=Clock)
     due_ns: int | None = None
 
 
@@ -52,8 +53,9 @@ class Silence(Remembering[_Memory]):
 
     def observe(self, observation: Observation) -> Iterator[Seen]:
         """Note that a topic was heard; say which are silent by now."""
-        memory, now_ns = self.memory, observation.at_ns
-        before_ns, memory.last_ns = memory.last_ns, now_ns
+        memory = self.memory
+        before_ns = memory.clock.now_ns
+        now_ns = memory.clock.see(observation)
         stream = memory.streams.get(observation.topic)
         if before_ns is not None and now_ns - before_ns > self._gap_ns:
             if stream is not None or memory.streams:

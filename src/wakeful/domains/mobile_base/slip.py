@@ -19,7 +19,7 @@ from wakeful.facts.events import Observation, Phase
 from wakeful.facts.time import to_ns, to_s
 
 _SMOOTH_S = 0.3
-_FRESH_NS, _OWNED_NS = to_ns(0.5), to_ns(3.0)
+_OWNED_NS = to_ns(3.0)
 
 
 class _Gyro(msgspec.Struct):
@@ -30,6 +30,7 @@ class _Gyro(msgspec.Struct):
     wheels_radps: float = 0.0
     seen_ns: int = 0
     seen: bool = False
+    heard_ns: int = 0
 
 
 class _Memory(msgspec.Struct):
@@ -61,15 +62,16 @@ class Slip(Remembering[_Memory]):
         if acceleration is None or rates is None or (observation.topic not in memory.gyros and len(memory.gyros) >= 16):
             return
         gyro = memory.gyros.setdefault(observation.topic, _Gyro())
+        gyro.heard_ns = memory.bases.clock.now_ns or 0
         up = gyro.up.see(acceleration, observation.at_ns)
         if topic is None or not gyro.up.sure:
             return
         motion, owner = memory.bases.by_topic[topic], memory.owners.get(topic)
-        if owner is None or not 0 <= observation.at_ns - memory.gyros[owner].seen_ns < _OWNED_NS:
+        if owner is None or (memory.bases.clock.now_ns or 0) - memory.gyros[owner].heard_ns >= _OWNED_NS:
             owner = memory.owners[topic] = observation.topic
         if owner != observation.topic:
             return
-        if not 0 <= observation.at_ns - motion.at_ns <= _FRESH_NS:
+        if not memory.bases.fresh(motion):
             return
         self._smooth(gyro, dot(rates, up), motion.turning_radps, observation.at_ns, resting=not motion.moving)
         apart = abs(gyro.gyro_radps - gyro.wheels_radps)
@@ -78,7 +80,7 @@ class Slip(Remembering[_Memory]):
         phase = gyro.latch.see(level, observation.at_ns, to_ns(0.5), to_ns(2.0))
         if phase is None:
             return
-        entity = memory.bases.name(topic)
+        entity = memory.bases.part("wheels", topic)
         if phase is Phase.CLEARED:
             yield Shown(label="recovered", entity=entity)
         more = abs(gyro.wheels_radps) > abs(gyro.gyro_radps)

@@ -20,6 +20,8 @@ WARNINGS: Mapping[int, str] = {1: "low", 2: "critical", 3: "emergency", 4: "fail
 """battery_status.warning (PX4 msg/BatteryStatus.msg). Charging is no warning."""
 
 _MOST_CELLS = 24
+_EMERGENCY = 0.07
+"""Share that remains when it becomes an emergency: where the countdown of a discharge ends."""
 
 
 class _Battery(msgspec.Struct):
@@ -27,6 +29,9 @@ class _Battery(msgspec.Struct):
     sag: Latch = msgspec.field(default_factory=Latch)
     rest_v: float | None = None
     seen_ns: int = 0
+    earlier: tuple[int, float] | None = None
+    """(instant, share that remained) half a minute to a minute ago."""
+    slope_per_s: float | None = None
 
 
 class _Memory(msgspec.Struct):
@@ -60,9 +65,13 @@ class Batteries(Remembering[_Memory]):
         battery = self.memory.batteries.setdefault(entity, _Battery())
         remaining = number(values, "remaining")
         cell_v = _cell_volts(values, volts)
+        _discharge(battery, remaining, observation.at_ns)
         fields: dict[str, Field] = {
             **self.memory.flight.fields(),
             "remaining": None if remaining is None else within(remaining, 0.0, 1.0),
+            "value": None if remaining is None else within(remaining, 0.0, 1.0),
+            "slope_per_s": battery.slope_per_s,
+            "limit_low": _EMERGENCY,
             "cell_v": None if cell_v is None else within(cell_v, 0.0, 5.0),
             "current_a": None if (current := number(values, "current_a")) is None else within(current, -1.0, 500.0),
         }
@@ -109,12 +118,25 @@ class Batteries(Remembering[_Memory]):
         )
 
 
+def _discharge(battery: _Battery, remaining: float | None, at_ns: int) -> None:
+    """Follow how fast the battery empties, over half a minute at least."""
+    if remaining is None:
+        return
+    earlier = battery.earlier
+    passed_s = -1.0 if earlier is None else to_s(at_ns - earlier[0])
+    if earlier is None or not 0.0 <= passed_s < 300.0:
+        battery.earlier, battery.slope_per_s = (at_ns, remaining), None
+    elif passed_s >= 30.0:
+        battery.slope_per_s = round((remaining - earlier[1]) / passed_s, 6)
+        battery.earlier = (at_ns, remaining)
+
+
 def _level(warning: int | None, remaining: float | None) -> int:
     if warning is not None and 1 <= warning <= 5:
         return min(warning, 3)
     if remaining is None or remaining < 0.0:
         return 0
-    return 3 if remaining < 0.07 else 2 if remaining < 0.15 else 1 if remaining < 0.25 else 0
+    return 3 if remaining < _EMERGENCY else 2 if remaining < 0.15 else 1 if remaining < 0.25 else 0
 
 
 def _cell_volts(values: Values, volts: float) -> float | None:

@@ -137,7 +137,6 @@ class Messages(Remembering[_Memory]):
                 "level": LEVELS[level],
                 "severity": within((7 - level) / 7, 0.0, 1.0),
                 "count": within(float(count), 0.0, 100.0),
-                "text": words,
             },
             says=f"{module} says ({LEVELS[level]}): {words}{more} [{flight.says()}].",
             criticality=min(3, worst + 1) if flight.airborne and lasting else worst,
