@@ -11,6 +11,7 @@ from wakeful.cli.export import export_command
 from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
 from wakeful.cli.mistakes import OneLine
+from wakeful.cli.reproduce import reproduce_command
 from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
 from wakeful.cli.stats import stats_command
@@ -46,5 +47,6 @@ for command in (
     treatments_command,
     export_command,
     simulate_command,
+    reproduce_command,
 ):
     main.add_command(command)

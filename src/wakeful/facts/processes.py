@@ -108,4 +108,6 @@ class ProcessView(Fact, frozen=True):
     deadline_ns: int | None = None
     steps_needed: int | None = None
     """Where the world declares it (experiments) or history estimates it; None where nobody knows."""
+    needs_evidence: bool | None = None
+    """Whether it will wait for evidence before its last step, where the event says so; None where nobody knows."""
     evidence_due_ns: int | None = None

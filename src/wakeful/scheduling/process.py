@@ -68,6 +68,7 @@ class Process(msgspec.Struct, kw_only=True):
         fields = self.event.context.fields
         priority = fields.get("priority", self.event.criticality)
         needed = fields.get("steps_needed")
+        evidence = fields.get("needs_evidence")
         return ProcessView(
             id=self.id,
             event=self.event.id,
@@ -75,10 +76,11 @@ class Process(msgspec.Struct, kw_only=True):
             mode=decision.mode if decision else "fallback",
             criticality=self.event.criticality,
             arrived_ns=self.arrived_ns,
-            steps_done=self.steps,
+            steps_done=self.steps + (self.ran if self.state is State.ACTIVE else 0),
             task_relevant=bool(self.event.context.task),
             priority=priority if isinstance(priority, int) else int(self.event.criticality),
             deadline_ns=self.deadline_ns,
             steps_needed=needed if isinstance(needed, int) else None,
+            needs_evidence=evidence if isinstance(evidence, bool) else None,
             evidence_due_ns=pending.expires_ns if pending else None,
         )

@@ -76,6 +76,11 @@ class ProcessSet:
         """The open processes that wait for that evidence, oldest request first."""
         return [self._open[each] for each in self._by_evidence.get(topic_key, ())]
 
+    def stepped(self, process: Process, now_ns: int) -> None:
+        """The holder of a slot has done steps since its dispatch: the policy sees how far it is."""
+        if not process.held:
+            self.policy.runnable(process.view(), now_ns)
+
     def apply(self, record: AnyRecord, now_ns: int) -> None:
         """Take up one record. The only way in which the set changes."""
         if isinstance(record, Moved):

@@ -151,6 +151,7 @@ class Scheduler:
     def _step_ended(self, process: Process) -> None:
         process.stepping = False
         process.ran += 1
+        self.processes.stepped(process, self._host.now_ns)
         if isinstance(process.want, Work):
             process.want.left -= 1
             if process.want.left <= 0:
@@ -445,6 +446,7 @@ class Scheduler:
             if process.state is State.ACTIVE:
                 elapsed_ns = now_ns - process.active_since_ns
                 process.ran = elapsed_ns // self._step_ns if self._step_ns else 0
+                self.processes.stepped(process, now_ns)
                 self._rebuild(process)
                 if process.state is State.ACTIVE:
                     self._begin_step(process)  # it was within that step: nobody takes its slot before the step's end

@@ -1,0 +1,95 @@
+"""`wakeful reproduce`: the paper's experiments on the product's own code, beside the paper's figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import click
+import msgspec
+
+from wakeful.cli.options import json_option, option, print_json
+from wakeful.cli.progress import Progress
+from wakeful.cli.terminal import heading, paragraph, say, table
+from wakeful.experiments import exp2_processing
+from wakeful.experiments.exp2_figures import draw_exp2
+from wakeful.experiments.rows import Row, table_cells
+
+_COLUMNS = ("method", "workload", "metric", "paper", "ours", "z", "s.e.")
+
+
+class Experiment(msgspec.Struct, frozen=True):
+    """One experiment as the command knows it."""
+
+    seeds: tuple[int, ...]
+    runs_per_seed: int
+    rows: Callable[[Sequence[int], Callable[[int, int], None]], list[Row]]
+    draw: Callable[[list[Row], Path], list[Path]]
+
+
+EXPERIMENTS: dict[str, Experiment] = {
+    "exp2": Experiment(
+        exp2_processing.SEEDS,
+        exp2_processing.RUNS_PER_SEED,
+        lambda seeds, progress: exp2_processing.rows(seeds, progress=progress),
+        draw_exp2,
+    ),
+}
+
+
+@click.command("reproduce")
+@click.argument("experiment", type=click.Choice([*EXPERIMENTS]))
+@option("--seeds", "count", type=click.IntRange(min=1), default=None, help="How many seeds. Without it: the project's own list.")
+@option("--first-seed", type=int, default=None, help="Seeds S, S+1, … in place of the project's own list.")
+@option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Write rows and figures to this folder.")
+@json_option
+def reproduce_command(experiment: str, count: int | None, first_seed: int | None, out: Path | None, as_json: bool) -> None:
+    """Run one of the paper's experiments and print its tables beside the paper's figures.
+
+    z is the distance from the paper's mean in units of its standard deviation, s.e. in standard errors of its ten-seed mean.
+    """
+    chosen = EXPERIMENTS[experiment]
+    seeds = _seeds(chosen.seeds, count, first_seed)
+    progress = Progress(chosen.runs_per_seed * len(seeds))
+    try:
+        rows = chosen.rows(seeds, progress.show)
+    finally:
+        progress.clear()
+    written = _write(experiment, rows, chosen, out) if out is not None else []
+    if as_json:
+        print_json(rows)
+        return
+    _print(rows, seeds)
+    for path in written:
+        say(f"written: {path}")
+
+
+def _seeds(own: tuple[int, ...], count: int | None, first_seed: int | None) -> tuple[int, ...]:
+    if first_seed is not None:
+        return tuple(range(first_seed, first_seed + (count if count is not None else len(own))))
+    if count is None:
+        return own
+    # More than the list has: it is continued after its greatest.
+    return (*own, *range(max(own) + 1, max(own) + 1 + count))[:count]
+
+
+def _write(experiment: str, rows: list[Row], chosen: Experiment, out: Path) -> list[Path]:
+    out.mkdir(parents=True, exist_ok=True)
+    path = out / f"{experiment}.json"
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(rows), indent=2) + b"\n")
+    return [path, *chosen.draw(rows, out)]
+
+
+def _print(rows: list[Row], seeds: tuple[int, ...]) -> None:
+    for name in sorted({each.table for each in rows}):
+        heading(f"Table {name}: mean ± sample standard deviation over {len(seeds)} seeds ({seeds[0]} to {seeds[-1]})")
+        table(_COLUMNS, table_cells([each for each in rows if each.table == name]), _COLUMNS[3:])
+    compared = [each for each in rows if each.paper_mean is not None]
+    within = [each for each in compared if each.z is not None and abs(each.z) <= 1.0]
+    strict = [each for each in compared if each.standard_errors is not None and abs(each.standard_errors) <= 2.0]
+    say()
+    paragraph(
+        f"{len(within)} of {len(compared)} published cells within one published standard deviation, {len(strict)} within two "
+        "standard errors of the paper's ten-seed mean.",
+        indent=0,
+    )

@@ -1,0 +1,1 @@
+"""The experiments' worlds: seeded, with every parameter declared."""

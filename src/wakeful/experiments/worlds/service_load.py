@@ -1,0 +1,123 @@
+"""Experiment 2's world: a service robot's events by the step, with what only the world knows about each (Sec. IV-C).
+
+The paper states the sizes (220 nominal steps; 13.2, 43.7, 84.8 and 54.0 events in the mean) and what an event may have:
+several processing steps, criticality, a deadline, relevance to the task, delayed evidence. Its numbers are not published.
+These were looked for with the paper's three baselines alone (`docs/experiments.md` has each choice and why).
+"""
+
+from __future__ import annotations
+
+from random import Random
+
+from wakeful.facts.values import Fact
+
+#: Steps with arrivals and with a primary task, and the steps after them in which open processes may still complete.
+NOMINAL_STEPS = 220
+DRAIN_STEPS = 60
+
+
+class Arrival(Fact, frozen=True):
+    """One event as the world knows it. A policy never sees ``evidence_steps``.
+
+    ``step``: when it arrives, known before that step's work. ``work``: units of cognition, one a step. ``deadline_steps``:
+    a critical event's last unit must be done within so many steps after the arrival. ``evidence_steps``: its last unit needs
+    evidence that comes so many steps after its first unit; None where it needs none.
+    """
+
+    step: int
+    critical: bool
+    task_relevant: bool
+    work: int
+    priority: int
+    deadline_steps: int | None = None
+    evidence_steps: int | None = None
+
+
+class Load(Fact, frozen=True):
+    """One workload: how events arrive, and how many of them are critical or delayed.
+
+    ``rate``: the chance of an event in each step. ``bursts``: one in each of so many equal segments of the run, of
+    ``burst_events`` (least, most) events spread over ``burst_steps`` steps.
+    """
+
+    name: str
+    rate: float
+    critical: float = 0.28
+    delayed: float = 0.55
+    bursts: int = 0
+    burst_events: tuple[int, int] = (2, 6)
+    burst_steps: int = 10
+
+
+class Parameters(Fact, frozen=True):
+    """What holds for all workloads. Ranges are uniform over whole numbers, both ends included."""
+
+    name: str
+    suffix: str = ""
+    """After a workload's name where results of several parameter sets stand in one table."""
+    work: tuple[int, int] = (3, 6)
+    deadline_steps: tuple[int, int] = (5, 12)
+    evidence_steps: tuple[int, int] = (8, 20)
+    task_relevant: float = 0.39
+    delayed_if_relevant: float = 0.05
+    delayed_if_critical: float = 0.70
+    """Factors on a load's ``delayed``: what the task itself is about is seldom delayed."""
+    routine_priority: tuple[int, int] = (0, 1)
+    critical_priority: tuple[int, int] = (2, 5)
+
+    def named(self, load: Load) -> str:
+        """The workload's name in tables."""
+        return load.name + self.suffix
+
+
+LOADS: dict[str, Load] = {
+    "low": Load(name="low", rate=0.06),
+    "medium": Load(name="medium", rate=0.1986),
+    "high": Load(name="high", rate=0.3855),
+    "bursty_delayed": Load(name="bursty_delayed", rate=30 / NOMINAL_STEPS, critical=0.32, delayed=0.90, bursts=6),
+}
+
+FIRST = Parameters(name="first")
+SECOND = Parameters(name="second", suffix="_2", work=(3, 7), deadline_steps=(6, 13))
+
+
+def arrivals(load: Load, parameters: Parameters, seed: int) -> tuple[Arrival, ...]:
+    """The events of one run, in the order of their arrival. The same arguments give the same events.
+
+    When events come, and what they are like, is drawn from two streams: both parameter sets meet the same instants.
+    """
+    when = Random(f"service_load/{load.name}/{seed}/when")
+    what = Random(f"service_load/{load.name}/{seed}/what")
+    return tuple(_event(step, load, parameters, what) for step in _steps(load, when))
+
+
+def _steps(load: Load, random: Random) -> list[int]:
+    steps = [step for step in range(NOMINAL_STEPS) if random.random() < load.rate]
+    for burst in range(load.bursts):
+        first = burst * NOMINAL_STEPS // load.bursts
+        last = (burst + 1) * NOMINAL_STEPS // load.bursts - load.burst_steps
+        begins = random.randint(first, last)
+        steps += [begins + random.randrange(load.burst_steps) for _ in range(random.randint(*load.burst_events))]
+    return sorted(steps)
+
+
+def _event(step: int, load: Load, parameters: Parameters, random: Random) -> Arrival:
+    critical = random.random() < load.critical
+    relevant = random.random() < parameters.task_relevant
+    chance = load.delayed
+    chance *= parameters.delayed_if_relevant if relevant else 1.0
+    chance *= parameters.delayed_if_critical if critical else 1.0
+    delayed = random.random() < chance
+    work = random.randint(*parameters.work)
+    evidence = random.randint(*parameters.evidence_steps)
+    deadline = random.randint(*parameters.deadline_steps)
+    routine, urgent = random.randint(*parameters.routine_priority), random.randint(*parameters.critical_priority)
+    return Arrival(
+        step=step,
+        critical=critical,
+        task_relevant=relevant,
+        work=work,
+        priority=urgent if critical else routine,
+        deadline_steps=deadline if critical else None,
+        evidence_steps=evidence if delayed else None,
+    )
