@@ -197,3 +197,25 @@ def test_there_is_no_progress_bar_where_no_terminal_is(capsys: pytest.CaptureFix
     progress.show(5, 1)
     progress.clear()
     assert capsys.readouterr() == ("", "")
+
+
+def test_speed_waits_for_the_sources_own_time(
+    wakeful: Wakeful, recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pauses: list[float] = []
+    monkeypatch.setattr(Stop, "pause", lambda _, seconds: pauses.append(seconds))
+    told = json.loads(wakeful("run", recording, "--speed", 10, "--journal", tmp_path / "paced.db", "--json").stdout)
+    assert len(pauses) == told["this_run"]["items"] - 1
+    assert sum(pauses) * 10 > 60
+
+
+def test_a_reader_that_goes_away_is_no_error(wakeful: Wakeful, tmp_path: Path) -> None:
+    journal = tmp_path / "robot.db"
+    wakeful("run", "service_robot", "--events", 60, "--journal", journal)
+    program = [sys.executable, "-m", "wakeful", "export", "--journal", str(journal)]
+    with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as export:
+        assert export.stdout is not None
+        assert export.stderr is not None
+        assert export.stdout.readline().startswith(b'{"position":1,')
+        export.stdout.close()
+        assert export.stderr.read() == b""
