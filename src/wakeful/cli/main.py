@@ -11,6 +11,7 @@ from wakeful.cli.export import export_command
 from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
 from wakeful.cli.mistakes import OneLine
+from wakeful.cli.new import new_group
 from wakeful.cli.reproduce import reproduce_command
 from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
@@ -46,6 +47,7 @@ for command in (
     domains_command,
     treatments_command,
     export_command,
+    new_group,
     simulate_command,
     reproduce_command,
 ):
