@@ -8,7 +8,7 @@ import msgspec
 
 from wakeful.contracts.detector import Found, Shown
 from wakeful.domains.mobile_base.commands import Command, Commands
-from wakeful.domains.mobile_base.motion import Bases, Motion
+from wakeful.domains.mobile_base.motion import MOVING_MPS, Bases, Motion
 from wakeful.domains.plain import number, within
 from wakeful.domains.remembering import Remembering, Seen
 from wakeful.facts.domain import DetectorSpec, DomainSpec
@@ -92,7 +92,11 @@ class Drive(Remembering[_Memory]):
             kind="unexpected_stop" if unexpected else "stop",
             entity=self.memory.bases.name(topic),
             fields=fields,
-            says=f"The base came to rest from {before_mps:.2f} m/s, braking at {braking_mps2:.1f} m/s², {because}.",
+            says=(
+                f"The base came to rest from {before_mps:.2f} m/s, braking at {braking_mps2:.1f} m/s², {because}."
+                if before_mps >= MOVING_MPS / 2
+                else f"The base stopped turning, {because}."
+            ),
             criticality=2 if unexpected else 0,
             deadline_s=10.0 if unexpected else None,
         )
