@@ -10,44 +10,10 @@ from wakeful.cli.options import journal_option, json_option, option, print_json,
 from wakeful.cli.summary import print_curve, print_state
 from wakeful.cli.terminal import say, table
 from wakeful.facts.processes import State
-from wakeful.facts.time import to_s
-from wakeful.journal.views import EventPast, History, ProcessPast, View, history, summary_of
-from wakeful.journal.wording.waiting import deadline_words, stands
+from wakeful.journal.rows import event_row, process_row
+from wakeful.journal.views import History, history, summary_of
+from wakeful.journal.wording.waiting import deadline_words
 from wakeful.journal.wording.words import count, duration, instant
-
-
-class EventRow(View, frozen=True):
-    """One event as `wakeful events --json` lists it."""
-
-    id: str
-    at_ns: int
-    kind: str
-    entity: str
-    criticality: int
-    says: str
-    treatment: str
-    mode: str
-    state: str
-    verdict: str
-    processes: tuple[int, ...]
-
-
-class ProcessRow(View, frozen=True):
-    """One process as `wakeful processes --json` lists it. Ages and deadlines are in seconds of kernel time."""
-
-    id: int
-    event: str
-    treatment: str
-    mode: str
-    state: str
-    criticality: int
-    age_s: float
-    in_state_s: float
-    steps: int
-    stands: str
-    parent: int = 0
-    reopens: int = 0
-    deadline_s: float | None = None
 
 
 @click.command("status")
@@ -102,7 +68,7 @@ def events_command(
         read = history(opened)
     rows = [
         row
-        for row in (_event_row(read, past) for past in read.events.values())
+        for row in (event_row(read, past) for past in read.events.values())
         if kind in (None, row.kind)
         and treatment in (None, row.treatment)
         and mode in (None, row.mode)
@@ -133,24 +99,6 @@ def events_command(
         click.echo(f"the last {len(shown)} of {count(len(rows), 'event')}; --limit 0 shows all", err=True)
 
 
-def _event_row(read: History, past: EventPast) -> EventRow:
-    root = read.root(past.event.id)
-    event = past.event
-    return EventRow(
-        id=event.id,
-        at_ns=event.stamp.source_ns,
-        kind=event.kind,
-        entity=event.entity,
-        criticality=event.criticality,
-        says=event.says,
-        treatment=root.treatment if root else "",
-        mode=root.decision.mode if root and root.decision else "",
-        state=(root.end or root.state) if root else "uncovered",
-        verdict=root.judged.verdict if root and root.judged else "",
-        processes=tuple(past.processes),
-    )
-
-
 @click.command("processes")
 @journal_option
 @option("--all", "everything", is_flag=True, help="Completed processes too.")
@@ -162,7 +110,7 @@ def processes_command(journal: Path | None, everything: bool, state: str | None,
     with reading(journal) as opened:
         read = history(opened)
     found = [process for process in read.processes.values() if (process.state == state if state else everything or process.open)]
-    shown = [_process_row(read, process) for process in (found[-limit:] if limit else found)]
+    shown = [process_row(read, process) for process in (found[-limit:] if limit else found)]
     if as_json:
         print_json(shown)
         return
@@ -192,22 +140,3 @@ def processes_command(journal: Path | None, everything: bool, state: str | None,
     )
     if len(shown) < len(found):
         click.echo(f"the last {len(shown)} of {count(len(found), 'process', 'processes')}; --limit 0 shows all", err=True)
-
-
-def _process_row(read: History, process: ProcessPast) -> ProcessRow:
-    until_ns = read.now_ns if process.open else process.since_ns
-    return ProcessRow(
-        id=process.id,
-        event=process.event,
-        treatment=process.treatment,
-        mode=process.decision.mode if process.decision else "",
-        state=process.end or process.state,
-        criticality=process.criticality,
-        age_s=to_s(until_ns - process.created_ns),
-        in_state_s=to_s(read.now_ns - process.since_ns),
-        steps=process.steps,
-        stands=stands(read, process),
-        parent=process.parent,
-        reopens=process.reopens,
-        deadline_s=None if process.deadline_ns is None else to_s(process.deadline_ns - read.now_ns),
-    )

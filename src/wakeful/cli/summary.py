@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wakeful.cli.terminal import blocks, heading, paragraph, row, say
 from wakeful.journal.views import Share, StrangeEpisode, Summary
+from wakeful.journal.wording.episodes import ending_words
 from wakeful.journal.wording.words import count, duration, instant, percent, plain
 
 #: With fewer events a tenth of them says nothing.
@@ -81,22 +82,7 @@ def _episode(episode: StrangeEpisode) -> None:
     concluded = episode.concluded or "nothing yet"
     novelty = f", novelty {episode.novelty:.2f}" if episode.novelty > 0.5 else ""
     paragraph(f"{concluded} ({episode.treatment}, {mode}{novelty})", 4, 11, "concluded  ")
-    paragraph(_ending(episode), 4, 11, "ended      ")
-
-
-def _ending(episode: StrangeEpisode) -> str:
-    if not episode.verdict:
-        return f"{episode.end or episode.state}; the world has not shown yet whether it was right"
-    after = f" {duration(episode.judged_after_s)} later" if episode.judged_after_s is not None else ""
-    shown = "the world showed" if episode.judged_after_s is not None else "nothing came in its window, which counts as"
-    shown = f"{shown} {plain(episode.label)}"
-    given = f", to which it had given {percent(episode.label_probability)}" if episode.label_probability is not None else ""
-    reopened = "; reopened" if episode.reopened else ""
-    if episode.verdict == "undecided":
-        return f"undecided: it forecast {plain(episode.predicted)}, and the world did not show it either way{reopened}"
-    if episode.verdict == "contradicted":
-        return f"{shown}{after}{given}; it had forecast {plain(episode.predicted)}: contradicted{reopened}"
-    return f"{shown}{after}{given}: supported{reopened}"
+    paragraph(ending_words(episode), 4, 11, "ended      ")
 
 
 def _accuracy(told: Summary) -> None:
