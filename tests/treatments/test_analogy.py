@@ -7,14 +7,14 @@ from wakeful.treatments.analogy import Analogy, analogy
 
 
 def likened(*episodes: Episode, mode: str = "fallback", **fields: object) -> Analogy:
-    result = ScriptedMind(DOMAIN, mode, script(*episodes)).run(analogy, event("object", "thing", **fields))  # type: ignore[arg-type]
+    result = ScriptedMind(DOMAIN, mode, script(*episodes)).run(analogy, event("current_high", "thing", **fields))  # type: ignore[arg-type]
     assert isinstance(result, Analogy)
     return result
 
 
 def test_what_is_shared_transfers_and_what_is_not_does_not() -> None:
     case = episode("a", 10.0, entity="pump 2", treatment="diagnosis", state="hot", load=0.9, colour="red")
-    result = likened(case, state="hot", load=0.1)
+    result = likened(case, state="hot", load=0.3)
     assert result.transfers == ("state",)
     assert result.does_not_transfer == ("load", "colour")
     assert "it shares state, but not load, colour" in result.says
@@ -25,7 +25,7 @@ def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_cou
     bad = [episode(f"b{at}", 10.0, treatment="planning", verdict="contradicted", outcome="none", state="hot") for at in range(4)]
     result = likened(*good, *bad, state="hot")
     assert result.treat_as == "diagnosis"
-    assert result.wrong == pytest.approx((0.6 + 4 * 0.9) / (2.0 + 6 * 0.9), abs=1e-3)
+    assert result.wrong == pytest.approx((0.6 + 4) / (2.0 + 6), abs=1e-3)
     assert result.wrong_low < result.wrong < result.wrong_high
 
 
@@ -39,6 +39,11 @@ def test_a_case_that_shares_no_attribute_carries_nothing() -> None:
 def test_analogy_never_recommends_itself() -> None:
     case = episode("a", 10.0, treatment="analogy", verdict="supported", state="hot")
     assert likened(case, state="hot").treat_as == ""
+
+
+def test_a_case_of_another_kind_is_worth_half() -> None:
+    same, other = episode("s", 10.0, state="hot"), episode("o", 10.0, kind="object", state="hot")
+    assert [(case.event, case.worth) for case in likened(same, other, state="hot").cases] == [("s", 1.0), ("o", 0.5)]
 
 
 def test_the_nearer_case_is_worth_more() -> None:

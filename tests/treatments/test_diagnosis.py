@@ -61,7 +61,7 @@ def test_without_the_reading_it_stops_at_half_the_outcome_window_and_says_what_i
     result = diagnosed(mind)
     assert mind.now_s == NOW_S + DOMAIN.outcome.within_s / 2
     assert result.heard == ()
-    assert any("temperature_c>70" in each for each in result.would_change)
+    assert any("temperature > 70 °C" in each for each in result.would_change)
 
 
 def test_a_deadline_that_leaves_no_time_for_a_reading_is_not_spent_on_waiting() -> None:
@@ -134,5 +134,5 @@ def test_a_fault_that_explains_only_what_happened_near_it_is_not_named_as_this_e
     result = ScriptedMind(DOMAIN, "auto", told).run(diagnosis, event("door_open", "door"))
     assert isinstance(result, Diagnosis)
     assert not any(suspect.explains for suspect in result.suspects)
-    assert "no fault of the table explains it; signs near it (current_high, stop) point to worn gear" in result.says
+    assert "no fault of the table explains it; signs near it (current high, stop) point to worn gear" in result.says
     assert result.confidence == 0.1

@@ -19,7 +19,7 @@ def test_a_pool_is_the_mean_of_its_voices_by_their_weight() -> None:
 
 
 def test_recalled_cases_move_a_learned_prior_less_than_a_reasoners() -> None:
-    cases = recalled_voice(DOMAIN, [episode(f"e{at}", 10.0, outcome="stop") for at in range(4)])
+    cases = recalled_voice(mind(), event(), [episode(f"e{at}", 10.0, outcome="stop") for at in range(4)])
     shares = {}
     for mode in ("auto", "delib", "fallback"):
         forecast = pooled(mind(mode, prior={"none": 1.0}), event(), [cases])
@@ -29,15 +29,15 @@ def test_recalled_cases_move_a_learned_prior_less_than_a_reasoners() -> None:
 
 
 def test_few_like_cases_outweigh_many_unlike_ones() -> None:
-    like = [episode(f"l{at}", 10.0, likeness=1.0, outcome="stop") for at in range(2)]
-    unlike = [episode(f"u{at}", 10.0, likeness=0.3, outcome="none") for at in range(10)]
-    voice = recalled_voice(DOMAIN, [*like, *unlike])
+    like = [episode(f"l{at}", 10.0, outcome="stop", state="hot", load=0.9) for at in range(2)]
+    unlike = [episode(f"u{at}", 10.0, outcome="none", state="cold", load=0.2) for at in range(10)]
+    voice = recalled_voice(mind(), event(state="hot", load=0.9), [*like, *unlike])
     assert voice is not None
     assert voice.probabilities["stop"] > 0.5
 
 
 def test_labels_that_the_domain_does_not_know_and_cases_that_have_not_ended_say_nothing() -> None:
-    assert recalled_voice(DOMAIN, [episode("a", 1.0, outcome="landed"), episode("b", 1.0)]) is None
+    assert recalled_voice(mind(), event(), [episode("a", 1.0, outcome="landed"), episode("b", 1.0)]) is None
     assert prior_voice(mind(prior={"landed": 1.0})) is None
     assert pooled(mind(), event(), [None]) is None
 

@@ -33,9 +33,10 @@ def test_a_difference_within_the_tolerance_of_the_fields_range_is_none() -> None
 
 
 def test_only_cases_that_are_like_enough_count_as_having_happened_before() -> None:
-    near = episode("n", 100.0, entity="J1", likeness=0.9, outcome="stop", verdict="supported")
-    far = episode("f", 100.0, entity="J1", likeness=0.4, outcome="none")
-    result = remembered(near, far)
+    near = episode("n", 100.0, entity="J1", outcome="stop", verdict="supported", state="hot", load=0.5)
+    far = episode("f", 100.0, entity="J1", outcome="none", state="cold", load=0.5)
+    other = episode("o", 100.0, kind="object", entity="J1", outcome="none", state="hot", load=0.5)
+    result = remembered(near, far, other, state="hot", load=0.4)
     assert result.happened == 1
     assert [(row.outcome, row.count) for row in result.endings] == [("stop", 1)]
     assert "it happened 1 time before: 1 ended in stop" in result.says
@@ -44,7 +45,7 @@ def test_only_cases_that_are_like_enough_count_as_having_happened_before() -> No
 def test_cases_that_are_still_open_are_named_as_what_would_change_it() -> None:
     result = remembered(episode("n", 100.0), episode("m", 200.0, outcome="none"))
     assert [(row.outcome, row.count) for row in result.endings] == [("none", 1), ("", 1)]
-    assert any("1 like cases" in each for each in result.would_change)
+    assert any("the end of 1 like case," in each for each in result.would_change)
 
 
 def test_a_memory_fades_with_time_and_less_if_it_was_refreshed() -> None:

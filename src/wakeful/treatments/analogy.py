@@ -11,9 +11,9 @@ from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.beta import Belief
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.forecasting import expectation, forecast_reasons, likeness, pooled, recalled_voice
-from wakeful.treatments.measures import significant
-from wakeful.treatments.overlap import Overlap, overlap
+from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
+from wakeful.treatments.measures import number, significant
+from wakeful.treatments.overlap import Overlap, overlap, worth
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import bare, brief, percent, subject
@@ -24,8 +24,8 @@ class AnalogySettings(Fact, frozen=True):
 
     cases: int = 6
     cases_deliberating: int = 15
-    near: float = 0.35
-    """The least worth (likeness × overlap's square root) of a case that something is transferred from."""
+    near: float = 0.2
+    """The least worth (overlap.worth) of a case that something is transferred from."""
     wrong_before: float = 0.3
     before_cases: float = 2.0
     mass: float = 0.9
@@ -84,7 +84,7 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     low, high = belief.interval(settings.mass)
     nearest = near[0] if near else None
     by_event = {episode.event: episode for episode in found}
-    voice = recalled_voice(mind.domain, (by_event[case.event] for case in near))
+    voice = recalled_voice(mind, event, (by_event[case.event] for case in near))
     forecast = pooled(mind, event, [voice])
     ended = sum(1 for case in near if case.verdict in ("supported", "contradicted"))
     return Analogy(
@@ -107,14 +107,12 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
 
 def _case(event: Event, mind: Mind, episode: Episode) -> Case:
     shared = overlap(event.fields, episode.fields, mind.domain.fields)
-    # likeness is the search's own measure; the overlap tempers it, so that a case that shares no attribute is worth little
-    structural = shared.share if event.fields or episode.fields else float(event.kind == episode.kind)
     return Case(
         event=episode.event,
         entity=brief(episode.entity),
         kind=episode.kind,
-        worth=significant(likeness(episode) * structural**0.5),
-        likeness=significant(likeness(episode)),
+        worth=worth(event, episode, mind.domain.fields),
+        likeness=significant(min(max(number(episode.likeness) or 0.0, 0.0), 1.0)),
         overlap=shared,
         treatment=episode.treatment,
         says=brief(episode.says, 160),

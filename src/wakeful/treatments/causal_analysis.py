@@ -111,7 +111,7 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     other = prod(1.0 - candidate.score for candidate in candidates)
     leads = {arrow.effect: significant(arrow.strength) for arrow in reversed(out_of(arrows, event.kind))}
     voices = [
-        recalled_voice(mind.domain, effects.episodes, ranked=False),
+        recalled_voice(mind, event, effects.episodes, ranked=False),
         model_voice(mind.domain, "causal graph", leads),
     ]
     forecast = pooled(mind, event, voices)

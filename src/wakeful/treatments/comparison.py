@@ -84,7 +84,7 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
     rows = sorted((_row(event, name, own, peers, settings) for name in comparable(event.fields)), key=_strangest)
     unusual = tuple(row.name for row in rows if row.unusual)
     compared = [row for row in rows if row.own_count or row.peers_count]
-    voice = recalled_voice(mind.domain, [*own, *peers], ranked=False)
+    voice = recalled_voice(mind, event, [*own, *peers], ranked=False)
     forecast = pooled(mind, event, [voice])
     entities = tuple(dict.fromkeys(brief(episode.entity) for episode in peers))
     # an effect can't be surer than the number of others it is measured against

@@ -68,7 +68,7 @@ async def description(event: Event, mind: Mind) -> Description:
         for name, value in event.fields.items()
     )
     odd = [attribute for attribute in attributes if attribute.as_usual is False]
-    voice = recalled_voice(mind.domain, past, ranked=not own)
+    voice = recalled_voice(mind, event, past, ranked=not own)
     forecast = pooled(mind, event, [voice])
     scene = SceneEntry(
         entity=brief(event.entity),
@@ -102,7 +102,8 @@ async def description(event: Event, mind: Mind) -> Description:
 
 def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -> Attribute:
     spec = domain.fields.get(name)
-    usual = typical(past)
+    # a vector has no usual value; numbers and words do
+    usual = None if isinstance(value, tuple) else typical(past)
     as_usual = (
         None
         if usual is None

@@ -18,7 +18,7 @@ from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
 from wakeful.treatments.remembering import age_s, of_robot, resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.symptoms import findings, holds, seen_in, split
+from wakeful.treatments.symptoms import findings, holds, seen_in, split, told
 from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
 from wakeful.treatments.wording import percent, subject, worded
 
@@ -181,7 +181,7 @@ def _conclude(
     suspects = tuple(sorted(every, key=lambda each: (not each.explains, -each.posterior, each.fault)))
     shown = tuple(symptom for symptom, seen in known.items() if seen)
     check, _ = _most_telling(network, known, askable(mind.domain, event), (), settings) if shown else (None, None)
-    voices = [recalled_voice(mind.domain, past), _outcomes(mind, network, known)]
+    voices = [recalled_voice(mind, event, past), _outcomes(mind, network, known)]
     forecast = pooled(mind, event, voices)
     top = suspects[0] if suspects and shown else None
     settled = top is not None and top.explains and top.posterior >= settings.threshold
@@ -235,21 +235,21 @@ def _named(top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
     if top is None:
         return f": no fault of the table shows itself ({len(suspects)} faults, none with a symptom seen here)"
     if not top.explains:
-        near = f"; signs near it ({', '.join(top.shown[:3])}) point to {top.fault}, {percent(top.posterior)}"
+        near = f"; signs near it ({', '.join(map(told, top.shown[:3]))}) point to {top.fault}, {percent(top.posterior)}"
         return f": no fault of the table explains it{near if top.shown else ''}"
     others = ", ".join(f"{other.fault} {percent(other.posterior)}" for other in suspects[1:3] if other.explains)
-    signs = f"from {percent(top.prior)} by {', '.join(top.shown)}"
+    signs = f"from {percent(top.prior)} by {', '.join(map(told, top.shown))}"
     return f": {top.fault} {percent(top.posterior)} ({signs}{'; then ' + others if others else ''})"
 
 
 def _next(check: Check | None, settled: bool) -> str:
     if check is None or settled:
         return ""
-    return f"; look for {check.symptom} next ({check.gain_bits:.2g} bits expected)"
+    return f"; look for {told(check.symptom)} next ({check.gain_bits:.2g} bits expected)"
 
 
 def _would_change(top: Suspect | None, check: Check | None, mind: Mind) -> tuple[str, ...]:
-    looked = () if check is None else (f"whether {check.symptom} is there ({check.gain_bits:.2g} bits expected)",)
+    looked = () if check is None else (f"whether {told(check.symptom)} is there ({check.gain_bits:.2g} bits expected)",)
     by_hand = (f"check: {top.check}",) if top is not None and top.check else ()
     if looked or by_hand:
         return (*looked, *by_hand)

@@ -16,6 +16,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast
 from wakeful.facts.values import Fact
 from wakeful.treatments.measures import number, significant
+from wakeful.treatments.overlap import worth
 from wakeful.treatments.wording import percent
 
 #: How many cases the prior weighs. In auto mode the result head has already learned from the episodes that are recalled,
@@ -48,15 +49,16 @@ def prior_voice(mind: Mind) -> Voice | None:
     return Voice(who="prior", probabilities=known, cases=PRIOR_CASES[mind.mode]) if known else None
 
 
-def recalled_voice(domain: DomainSpec, episodes: Iterable[Episode], ranked: bool = True) -> Voice | None:
+def recalled_voice(mind: Mind, event: Event, episodes: Iterable[Episode], ranked: bool = True) -> Voice | None:
     """How the recalled cases ended, each weighing what it is worth; None where none has ended in a label of this domain.
 
     ``ranked`` cases were recalled by their likeness to the event; others by entity or kind, and weigh UNRANKED each.
     """
     counts: dict[str, float] = {}
     for episode in episodes:
-        if episode.outcome in domain.outcome.labels:
-            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + (worth(episode) if ranked else UNRANKED)
+        if episode.outcome in mind.domain.outcome.labels:
+            weight = worth(event, episode, mind.domain.fields) if ranked else UNRANKED
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + weight
     total = sum(counts.values())
     if total <= 0.0:
         return None
@@ -110,16 +112,6 @@ def expectation(forecast: Forecast | None) -> str:
     '; expect none (93 %)'
     """
     return "" if forecast is None else f"; expect {forecast.label} ({percent(forecast.probability)})"
-
-
-def likeness(episode: Episode) -> float:
-    """The recalled case's likeness, in [0, 1]."""
-    return min(max(number(episode.likeness) or 0.0, 0.0), 1.0)
-
-
-def worth(episode: Episode) -> float:
-    """How much of a case a recalled one weighs: its likeness squared, so that many unlike ones don't drown a few like ones."""
-    return likeness(episode) ** 2
 
 
 def _over(labels: tuple[str, ...], prior: Mapping[str, float]) -> dict[str, float]:

@@ -12,8 +12,8 @@ from wakeful.facts.domain import DomainSpec, Hazard, matches
 from wakeful.facts.events import Event
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.beta import Belief
-from wakeful.treatments.forecasting import worth
 from wakeful.treatments.measures import significant
+from wakeful.treatments.overlap import worth
 
 Rating = Literal["low", "medium", "serious", "high"]
 
@@ -69,10 +69,10 @@ def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_case
     has = circumstances(event)
     open_now = [hazard for hazard in domain.hazard if matches(hazard.when, has)]
     spoken_of = {label for hazard in open_now for label in shows_as(hazard, domain)}
-    rows = [_listed(hazard, domain, past, table_cases, mass) for hazard in open_now]
+    rows = [_listed(event, hazard, domain, past, table_cases, mass) for hazard in open_now]
     for label in domain.outcome.labels[1:]:
         if label not in spoken_of and any(case.outcome == label for case in past):
-            rows.append(_unlisted(label, domain, past, mass))
+            rows.append(_unlisted(event, label, domain, past, mass))
     return tuple(sorted(rows, key=lambda row: (not row.listed, -row.risk, row.hazard)))
 
 
@@ -116,15 +116,17 @@ def rating(severity: int, harm: float) -> Rating:
     return MATRIX[level][min(max(severity, 1), 4) - 1]
 
 
-def _listed(hazard: Hazard, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> HazardRow:
-    hits, cases = _shown(shows_as(hazard, domain), domain, past)
+def _listed(
+    event: Event, hazard: Hazard, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float
+) -> HazardRow:
+    hits, cases = _shown(event, shows_as(hazard, domain), domain, past)
     belief = Belief.of(hazard.likelihood, table_cases).after(hits, cases - hits)
     exposure = min(max(hazard.exposure, 0.0), 1.0)
     return _row(hazard.name, hazard.severity, exposure, belief, cases, hits, mass, hazard.control)
 
 
-def _unlisted(label: str, domain: DomainSpec, past: Sequence[Episode], mass: float) -> HazardRow:
-    hits, cases = _shown((label,), domain, past)
+def _unlisted(event: Event, label: str, domain: DomainSpec, past: Sequence[Episode], mass: float) -> HazardRow:
+    hits, cases = _shown(event, (label,), domain, past)
     belief = Belief(0.5, 0.5).after(hits, cases - hits)
     row = _row(label, UNLISTED_SEVERITY, 1.0, belief, cases, hits, mass)
     return replace(row, rating="low", rating_at_worst="low", listed=False)
@@ -152,7 +154,7 @@ def _row(
     )
 
 
-def _shown(labels: tuple[str, ...], domain: DomainSpec, past: Sequence[Episode]) -> tuple[float, float]:
+def _shown(event: Event, labels: tuple[str, ...], domain: DomainSpec, past: Sequence[Episode]) -> tuple[float, float]:
     """How many of the ended cases showed one of the labels, of how many; nothing is learned where no label is known."""
-    ended = [case for case in past if labels and case.outcome in domain.outcome.labels]
-    return sum(worth(case) for case in ended if case.outcome in labels), sum(worth(case) for case in ended)
+    ended = [(case, worth(event, case, domain.fields)) for case in past if labels and case.outcome in domain.outcome.labels]
+    return sum(weight for case, weight in ended if case.outcome in labels), sum(weight for _, weight in ended)

@@ -8,8 +8,9 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.forecasting import expectation, forecast_reasons, likeness, pooled, recalled_voice
+from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import comparable, significant
+from wakeful.treatments.overlap import overlap
 from wakeful.treatments.remembering import (
     Difference,
     Ending,
@@ -32,9 +33,8 @@ class MemorySettings(Fact, frozen=True):
     sightings: int = 12
     cases: int = 8
     cases_deliberating: int = 20
-    alike: float = 0.6
-    """The least likeness of a case that counts as the same happening; 0.6 is a distance of two thirds in features that are
-    scaled to [0, 1], less than one differing category."""
+    alike: float = 0.8
+    """The least share of attributes on which a case of the same kind must agree to count as the same happening."""
     half_life_s: float = 3600.0
     """A memory that was never refreshed is worth half after so long; each further sighting makes it last as much longer."""
 
@@ -74,7 +74,7 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     await mind.work(1)
     past = await of_entity(event, mind, settings.sightings)
     limit = settings.cases_deliberating if mind.mode == "delib" else settings.cases
-    alike = [case for case in await similar(event, mind, limit) if likeness(case) >= settings.alike]
+    alike = [case for case in await similar(event, mind, limit) if _same_happening(event, case, mind, settings)]
     await mind.work(1)
 
     same_kind = [episode for episode in past if episode.kind == event.kind]
@@ -84,9 +84,9 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     last_s = age_s(event, past[0]) if past else None
     retention = _retention(last_s, len(past), settings)
     rows = endings(alike)
-    voice = recalled_voice(mind.domain, alike)
+    voice = recalled_voice(mind, event, alike)
     forecast = pooled(mind, event, [voice])
-    confidence = max(retention, 1.0 - 0.5 ** sum(row.weight for row in rows)) if past or alike else NOTHING_TO_GO_ON
+    confidence = max(retention, 1.0 - 0.5 ** len(alike)) if past or alike else NOTHING_TO_GO_ON
     return Memory(
         says=sentence(
             mind,
@@ -113,6 +113,11 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
         happened=len(alike),
         endings=rows,
     )
+
+
+def _same_happening(event: Event, case: Episode, mind: Mind, settings: MemorySettings) -> bool:
+    shared = overlap(event.fields, case.fields, mind.domain.fields)
+    return case.kind == event.kind and (shared.share >= settings.alike or not shared.names)
 
 
 def _retention(last_s: float | None, sightings: int, settings: MemorySettings) -> float:
@@ -147,7 +152,7 @@ def _would_change(event: Event, differs: tuple[Difference, ...], alike: list[Epi
     name = brief(event.entity)
     moved = tuple(f"a sighting of {name} with {bare(each.name)} as it was" for each in differs[:3])
     open_cases = sum(1 for case in alike if not case.outcome)
-    waiting = (f"how the {open_cases} like cases end that nobody has seen the end of",) if open_cases else ()
+    waiting = (f"the end of {counted(open_cases, 'like case')}, not seen yet",) if open_cases else ()
     label = mind.domain.outcome.labels[:1]
     first = (f"a like case that does not end in {label[0]}",) if label and alike and not waiting else ()
     return (*moved, *waiting, *first) or (f"a first sighting or like case of {name}",)

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from wakeful.facts.asking import Episode
 from wakeful.facts.domain import FieldSpec
+from wakeful.facts.events import Event
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.measures import comparable, number, plain, significant
 
@@ -23,6 +25,11 @@ class Overlap(Fact, frozen=True):
     shared: tuple[str, ...] = ()
     differing: tuple[str, ...] = ()
     lacking: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> int:
+        """How many attributes the two have between them."""
+        return len(self.shared) + len(self.differing) + len(self.lacking)
 
 
 def overlap(a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, FieldSpec]) -> Overlap:
@@ -42,9 +49,34 @@ def overlap(a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, 
     )
 
 
+def worth(event: Event, episode: Episode, specs: Mapping[str, FieldSpec]) -> float:
+    """How much of a case a recalled one is for this event, in [0, 1]: the overlap squared, so that many cases that agree in
+    little don't drown a few that agree in much; half of that where it is of another kind.
+
+    The search's likeness only says which cases to look at: its scale is that of the learner's features.
+    """
+    same_kind = event.kind == episode.kind
+    shared = overlap(event.fields, episode.fields, specs)
+    share = shared.share if shared.names else float(same_kind)
+    return significant(share**2 * (1.0 if same_kind else 0.5))
+
+
 def _agreement(a: Field, b: Field, spec: FieldSpec | None) -> float:
+    if isinstance(a, tuple) and isinstance(b, tuple) and len(a) == len(b) > 0:
+        return sum(_agreement(left, right, spec) for left, right in zip(a, b, strict=True)) / len(a)
     left, right = number(a), number(b)
     if left is None or right is None:
         return 1.0 if plain(a) == plain(b) else 0.0
-    width = abs(spec.high - spec.low) if spec is not None and spec.high != spec.low else max(abs(left), abs(right))
+    width = scale(left, right, spec)
     return max(1.0 - abs(left - right) / width, 0.0) if width > 0.0 else 1.0
+
+
+def scale(a: float, b: float, spec: FieldSpec | None) -> float:
+    """What a difference of two numbers is measured by: the field's declared range if both lie in it, else the larger of them.
+
+    >>> scale(20.0, 30.0, FieldSpec(low=0.0, high=100.0)), scale(20.0, 30.0, FieldSpec()), scale(-3.0, 2.0, None)
+    (100.0, 30.0, 3.0)
+    """
+    if spec is not None and spec.low <= min(a, b) and max(a, b) <= spec.high:
+        return spec.high - spec.low
+    return max(abs(a), abs(b))

@@ -60,7 +60,7 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
     await mind.work(1)
     past = await similar(event, mind, settings.cases)
     await mind.work(1)
-    voice = recalled_voice(mind.domain, past)
+    voice = recalled_voice(mind, event, past)
     forecast = pooled(mind, event, [voice])
     reasons = (*resting(case for case in past if case.outcome), *forecast_reasons(mind, [voice]))
     graph = graph_of(mind.domain)

@@ -13,8 +13,8 @@ from wakeful.facts.domain import FieldSpec
 from wakeful.facts.events import Event
 from wakeful.facts.time import to_s
 from wakeful.facts.values import Fact, Field
-from wakeful.treatments.forecasting import likeness
 from wakeful.treatments.measures import comparable, number, plain, significant
+from wakeful.treatments.overlap import scale
 from wakeful.treatments.wording import valued, worded
 
 #: A number differs when it is off by more than this part of its declared range, or of itself where no range is declared.
@@ -26,11 +26,10 @@ NAMED = 8
 
 
 class Ending(Fact, frozen=True):
-    """How recalled cases ended: the outcome's label, in how many, and the sum of their likenesses."""
+    """How recalled cases ended: the outcome's label, and in how many."""
 
     outcome: str
     count: int
-    weight: float
 
 
 class Difference(Fact, frozen=True):
@@ -106,18 +105,16 @@ def resting(episodes: Iterable[Episode]) -> tuple[str, ...]:
 def endings(episodes: Iterable[Episode]) -> tuple[Ending, ...]:
     """The cases by outcome, most frequent first; those whose outcome nobody has seen yet stand under ``""``, last."""
     counts: dict[str, int] = {}
-    weights: dict[str, float] = {}
     for episode in episodes:
         counts[episode.outcome] = counts.get(episode.outcome, 0) + 1
-        weights[episode.outcome] = weights.get(episode.outcome, 0.0) + likeness(episode)
-    rows = [Ending(outcome=label, count=count, weight=significant(weights[label])) for label, count in counts.items()]
+    rows = [Ending(outcome=label, count=count) for label, count in counts.items()]
     return tuple(sorted(rows, key=lambda row: (not row.outcome, -row.count, row.outcome)))
 
 
 def ended(rows: Sequence[Ending]) -> str:
     """The endings as part of a sentence.
 
-    >>> ended((Ending(outcome="none", count=4, weight=3.5), Ending(outcome="", count=1, weight=1.0)))
+    >>> ended((Ending(outcome="none", count=4), Ending(outcome="", count=1)))
     '4 ended in none, 1 not yet known'
     """
     said = [f"{row.count} ended in {row.outcome}" if row.outcome else f"{row.count} not yet known" for row in rows]
@@ -129,9 +126,7 @@ def same(name: str, a: Field, b: Field, specs: Mapping[str, FieldSpec]) -> bool:
     left, right = number(a), number(b)
     if left is None or right is None:
         return plain(a) == plain(b)
-    spec = specs.get(name)
-    width = spec.high - spec.low if spec is not None and (spec.low, spec.high) != (0.0, 1.0) else max(abs(left), abs(right))
-    return abs(left - right) <= TOLERANCE * abs(width) + 1e-12
+    return abs(left - right) <= TOLERANCE * scale(left, right, specs.get(name)) + 1e-12
 
 
 def differences(event: Event, past: Sequence[Episode], specs: Mapping[str, FieldSpec]) -> tuple[Difference, ...]:

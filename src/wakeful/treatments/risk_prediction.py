@@ -18,7 +18,7 @@ from wakeful.treatments.measures import number
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
-from wakeful.treatments.wording import percent, span, subject
+from wakeful.treatments.wording import counted, percent, span, subject
 
 
 class RiskSettings(Fact, frozen=True):
@@ -84,7 +84,7 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
         for label in shows_as(hazard, mind.domain)
         if hazard.name in open_now and len(shows_as(hazard, mind.domain)) == 1
     }
-    voices = [recalled_voice(mind.domain, past), model_voice(mind.domain, "hazard table", told)]
+    voices = [recalled_voice(mind, event, past), model_voice(mind.domain, "hazard table", told)]
     forecast = pooled(mind, event, voices)
     halves = _halves(top, askable(mind.domain, event))
     # sure of a risk is who has a narrow interval, whatever its middle
@@ -169,7 +169,7 @@ def _halves(top: HazardRow | None, offers: Sequence[Askable]) -> str:
 
 def _unseen(past: Sequence[Episode]) -> tuple[str, ...]:
     waiting = sum(1 for case in past if not case.outcome)
-    return (f"how the {waiting} like cases end that are still open",) if waiting else ()
+    return (f"the end of {counted(waiting, 'like case')}, not seen yet",) if waiting else ()
 
 
 def _proposals(

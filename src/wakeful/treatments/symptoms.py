@@ -15,6 +15,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.values import Field
 from wakeful.treatments.hazards import circumstances
 from wakeful.treatments.measures import number
+from wakeful.treatments.wording import bare, quantity
 
 _CONDITION = re.compile(r"([^<>=]+)=?(<=|>=|=|<|>)(.*)", re.DOTALL)
 
@@ -51,6 +52,20 @@ def split(symptom: str) -> tuple[str, str, str] | None:
     """
     found = _CONDITION.fullmatch(symptom)
     return None if found is None else (found[1].strip(), found[2], found[3].strip())
+
+
+def told(symptom: str) -> str:
+    """A symptom as a sentence says it.
+
+    >>> told("temperature_c=>70"), told("state=unstable"), told("motor_hot")
+    ('temperature > 70 °C', 'state unstable', 'motor hot')
+    """
+    condition = split(symptom)
+    if condition is None:
+        return symptom.replace("_", " ")
+    name, sign, value = condition
+    sized = quantity(name, float(value)) if _is_number(value) else value
+    return f"{bare(name)} {'' if sign == '=' else sign + ' '}{sized}"
 
 
 def holds(condition: tuple[str, str, str], has: Mapping[str, Field]) -> bool | None:

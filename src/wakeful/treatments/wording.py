@@ -84,7 +84,7 @@ def valued(name: str, value: Field) -> str:
     if isinstance(value, str):
         return brief(value) or "empty"
     if isinstance(value, tuple):
-        return f"({len(value)} numbers)"
+        return f"({', '.join(f'{each:.3g}' for each in value)})" if len(value) <= 3 else f"({len(value)} numbers)"
     return quantity(name, value)
 
 
@@ -130,17 +130,19 @@ def counted(count: int, thing: str, most: int | None = None) -> str:
 
 
 def percent(share: float) -> str:
-    """A probability as a person reads it: whole per cents, finer below one and above 99.
+    """A probability as a person reads it: whole per cents, finer near the ends, and never rounded to certainty.
 
-    >>> percent(0.123), percent(0.0042), percent(0.9987)
-    ('12 %', '0.42 %', '99.87 %')
+    >>> percent(0.123), percent(0.0042), percent(0.9987), percent(0.99999)
+    ('12 %', '0.4 %', '99.9 %', 'over 99.9 %')
     """
     if 0.01 <= share <= 0.99 or share in (0.0, 1.0):
         return f"{100 * share:.0f} %"
-    return f"{100 * share:.4g} %" if share > 0.99 else f"{100 * share:.2g} %"
+    if share > 0.999:
+        return "over 99.9 %"
+    return "under 0.1 %" if share < 0.001 else f"{100 * share:.1f} %"
 
 
-def subject(event: Event, limit: int = 120) -> str:
+def subject(event: Event, limit: int = 240) -> str:
     """What a sentence is about: the entity, and what registration says of it or else the kind of event."""
     name = brief(event.entity) or "something"
     said = brief(event.says, limit).rstrip(".")
