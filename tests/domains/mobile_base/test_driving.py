@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
+from random import Random
 
 import pytest
 
@@ -180,3 +181,13 @@ def test_two_inertial_sensors_feel_one_shock_and_one_slip() -> None:
     assert [one.kind for one in shocks.events] == ["shock"]
     assert {one.phase for one in slips.events if one.phase is Phase.RAISED} == {Phase.RAISED}
     assert len({one.references for one in slips.events}) == 1
+
+
+def test_noise_on_the_odometry_is_no_motion() -> None:
+    watch = Watch(Drive)
+    noise = Random(0)
+    for tick in range(1200):
+        asked_mps = 0.5 if 400 <= tick < 800 else 0.0
+        _drive(watch, tick / 20, asked_mps + noise.gauss(0.0, 0.02), noise.gauss(0.0, 0.1))
+    assert [one.kind for one in watch.events if one.kind == "start"] == ["start"]
+    assert len(watch.events) == 2

@@ -74,3 +74,11 @@ def test_a_flag_that_flickers_is_one_condition() -> None:
     for tick in range(100):
         watch.see(tick / 2, "failsafe_flags", manual_control_signal_lost=tick % 2)
     assert watch.phases() == [Phase.RAISED]
+
+
+def test_a_flag_that_comes_back_every_ten_seconds_is_soon_one_condition() -> None:
+    watch = Watch(Flags)
+    watch.see(0.0, "vehicle_status", **ARMED)
+    for tick in range(1200):
+        watch.see(tick / 2, "failsafe_flags", local_position_accuracy_low=int(tick % 20 == 10))
+    assert len(watch.events) == 2

@@ -16,12 +16,12 @@ from wakeful.facts.events import Observation, Phase
 from wakeful.facts.time import to_ns, to_s
 from wakeful.facts.values import Field
 
-_WINDOW_NS = to_ns(1.0)
+_WINDOW_NS = to_ns(1.5)
 
 
 class _Drive(msgspec.Struct):
     speeds: list[tuple[int, float]] = []
-    """(instant, speed) of the last second: how hard it braked."""
+    """(instant, speed) of the last second and a half: how hard it braked."""
     unexpected: bool = False
     """The last stop was unexpected: moving on from it is a recovery."""
 
@@ -52,7 +52,7 @@ class Drive(Remembering[_Memory]):
             return
         motion, phase = seen
         drive = memory.drives.setdefault(observation.topic, _Drive())
-        drive.speeds = [one for one in drive.speeds if 0 <= observation.at_ns - one[0] <= _WINDOW_NS][-100:]
+        drive.speeds = [one for one in drive.speeds if 0 <= observation.at_ns - one[0] <= _WINDOW_NS][-200:]
         drive.speeds.append((observation.at_ns, motion.speed_mps))
         asked = memory.commands.of(observation.topic, seen[0].heard_ns)
         if phase is Phase.RAISED:
@@ -103,7 +103,7 @@ class Drive(Remembering[_Memory]):
 
 
 def _braking(speeds: list[tuple[int, float]]) -> tuple[float, float]:
-    """The greatest speed of the last second, and the hardest braking between two instants at least 0.1 s apart."""
+    """The greatest of these speeds, and the hardest braking between two instants at least 0.1 s apart."""
     top = max((speed for _, speed in speeds), default=0.0)
     hardest = 0.0
     for index, (at_ns, speed) in enumerate(speeds):

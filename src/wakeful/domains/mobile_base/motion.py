@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot
+from math import exp, hypot
 
 import msgspec
 
@@ -11,7 +11,7 @@ from wakeful.domains.mobile_base.clock import Clock
 from wakeful.domains.mobile_base.messages import frame, message_type, nearest_topic
 from wakeful.domains.plain import number, within
 from wakeful.facts.events import Observation, Phase
-from wakeful.facts.time import to_ns
+from wakeful.facts.time import to_ns, to_s
 from wakeful.facts.values import Field
 
 MOVING_MPS, MOVING_RADPS = 0.05, 0.1
@@ -19,6 +19,7 @@ MOVING_MPS, MOVING_RADPS = 0.05, 0.1
 
 _START_NS, _REST_NS = to_ns(0.3), to_ns(0.5)
 _FRESH_NS, _OWNED_NS = to_ns(0.5), to_ns(3.0)
+_SMOOTH_S = 0.25
 _MOST_BASES = 16
 
 
@@ -37,6 +38,9 @@ class Motion(msgspec.Struct):
     frame: str = ""
     child: str = ""
     known: bool = False
+    mean_mps: float = 0.0
+    mean_radps: float = 0.0
+    """Speed over ground and turning rate, smoothed over a quarter of a second: noise is no motion."""
     latch: Latch = msgspec.field(default_factory=Latch)
 
     @property
@@ -135,6 +139,7 @@ class Bases(msgspec.Struct):
         if said is None or not self._counts(observation, said, now_ns):
             return None
         motion = self.by_topic.setdefault(observation.topic, Motion())
+        _smooth(motion, said, to_s(observation.at_ns - motion.at_ns))
         motion.at_ns, motion.heard_ns, motion.known = observation.at_ns, now_ns, True
         motion.x_m = motion.x_m if said.x_m is None else said.x_m
         motion.y_m = motion.y_m if said.y_m is None else said.y_m
@@ -180,8 +185,17 @@ class Bases(msgspec.Struct):
         return True
 
 
+def _smooth(motion: Motion, said: Reported, passed_s: float) -> None:
+    speed, turning = hypot(said.forward_mps, said.sideways_mps), said.turning_radps
+    share = 1.0 - exp(-passed_s / _SMOOTH_S) if motion.known and 0.0 <= passed_s < 1.0 else 1.0
+    motion.mean_mps += (speed - motion.mean_mps) * share
+    motion.mean_radps += (turning - motion.mean_radps) * share
+
+
 def _level(motion: Motion) -> int:
-    speed, turning = motion.speed_mps, abs(motion.turning_radps)
-    if speed >= MOVING_MPS or turning >= MOVING_RADPS:
+    mean_mps, mean_radps = motion.mean_mps, abs(motion.mean_radps)
+    if motion.speed_mps < MOVING_MPS / 2 and abs(motion.turning_radps) < MOVING_RADPS / 2:
+        return 0
+    if mean_mps >= MOVING_MPS or mean_radps >= MOVING_RADPS:
         return 1
-    return 0 if speed < MOVING_MPS / 2 and turning < MOVING_RADPS / 2 else motion.latch.level
+    return 0 if mean_mps < MOVING_MPS / 2 and mean_radps < MOVING_RADPS / 2 else motion.latch.level

@@ -18,8 +18,8 @@ from wakeful.facts.time import to_ns
 
 _FATAL = frozenset(name for name, kind in KINDS.items() if name.startswith("fd_") or kind.entity == "motors")
 
-_CLEAR_NS = to_ns(2.0)
-"""A flag that flickers is one condition."""
+_CLEAR_NS, _FLICKER_NS = to_ns(2.0), to_ns(30.0)
+"""A flag is over after the first, and one that came back within the second only after that: flickering is one condition."""
 
 
 class _Memory(msgspec.Struct):
@@ -28,6 +28,9 @@ class _Memory(msgspec.Struct):
     raised: dict[str, Latch] = {}
     early: dict[str, bool] = {}
     """Flags that have been bad ever since the first look."""
+    cleared_ns: dict[str, int] = {}
+    flickers: dict[str, bool] = {}
+    """Flags that came back soon after they had cleared."""
     masks: dict[str, int] = {}
     owner: dict[str, str] = {}
     """The topic that spoke first of a flag: two topics that say the same do not quarrel."""
@@ -95,12 +98,17 @@ class Flags(Remembering[_Memory]):
         memory.early[name] = before is None or (memory.early.get(name, False) and bad)
         latch = memory.raised.setdefault(name, Latch())
         counts = bad and (latch.level > 0 or before is False or not memory.early[name] or (needed and bool(memory.flight.armed)))
-        phase = latch.see(int(counts), at_ns, 0, _CLEAR_NS)
+        flickers = name in memory.flickers
+        phase = latch.see(int(counts), at_ns, 0, _FLICKER_NS if flickers else _CLEAR_NS)
         if phase is Phase.RAISED:
+            if 0 <= at_ns - memory.cleared_ns.get(name, at_ns + 1) < _FLICKER_NS:
+                memory.flickers[name] = True
             if name in _FATAL:
                 yield Shown(label="fault")
             yield self._found(name, kind, needed, Phase.RAISED, since_start=memory.early[name])
         elif phase is Phase.CLEARED:
+            memory.cleared_ns[name] = at_ns
+            memory.flickers.pop(name, None)
             yield Shown(label="recovered", entity=kind.entity)
             yield self._found(name, kind, needed, Phase.CLEARED)
 
