@@ -88,7 +88,8 @@ def _recorded(path: Path, bridge: Bridge, domain: Domain) -> Source:
     piped = str(path) == STDIN
     total = None if piped else bridge.peek(path).items
     return Source(
-        name=STDIN if piped else str(path),
+        # The name without its folder: another spelling of the same path goes on where it stopped; the digest tells files apart.
+        name=STDIN if piped else path.resolve().name,
         digest=bridge.digest(path),
         domain=domain,
         items=lambda after: bridge.read(path, after),
