@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from tests.treatments.worlds import BARE, DOMAIN, domains, episodes, event, events, priors, script
 from wakeful.contracts.treatment import Treatment
+from wakeful.domains import load, names
 from wakeful.facts.asking import Episode, Reply
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
@@ -85,3 +86,23 @@ def test_results_do_not_depend_on_the_order_of_hashing() -> None:
     }
     assert len(said) == 1
     assert len(said.pop()) > 2_000
+
+
+def _when(domain: DomainSpec) -> list[Event]:
+    """An event for each kind that the domain registers or its tables speak of, and one for each hazard's circumstances."""
+    kinds = {each.kind for each in domain.detect} | {arrow.effect for arrow in domain.cause}
+    kinds |= {symptom for fault in domain.fault for symptom in fault.causes if symptom.isidentifier()}
+    met = [event(kind, f"{kind} 1", deadline_s=20.0) for kind in sorted(kinds)]
+    for at, hazard in enumerate(domain.hazard):
+        fields = {name: value[0] if isinstance(value, list) else value for name, value in hazard.when.items()}
+        kind = str(fields.pop("kind", "object"))
+        met.append(event(kind, f"thing {at}", **fields))
+    return met
+
+
+@pytest.mark.parametrize("name", names())
+def test_the_tables_of_the_built_in_domains_suit_every_treatment(name: str) -> None:
+    domain = load(name).spec
+    for met in _when(domain):
+        for treatment in BUILT_IN:
+            check_treatment(treatment, met, domain, script(prior={domain.outcome.labels[0]: 0.9}), modes=("delib",))

@@ -62,6 +62,13 @@ def test_what_a_table_says_leaves_the_rest_to_nothing_having_happened() -> None:
     assert model_voice(DOMAIN, "table", {"unheard of": 0.9}, 4.0) is None
 
 
+def test_where_the_prior_is_silent_a_single_case_is_not_certainty() -> None:
+    cases = recalled_voice(mind(), event(), [episode("a", 10.0, outcome="stop")])
+    forecast = pooled(mind(), event(), [cases])
+    assert forecast is not None
+    assert forecast.probabilities == pytest.approx({"none": 1 / 6, "stop": 2 / 3, "drop": 1 / 6}, abs=1e-5)
+
+
 def test_a_forecast_is_addressed_as_the_domain_matches_outcomes() -> None:
     forecast = pooled(mind(prior={"none": 1.0}), event(entity="J3"), [])
     assert forecast is not None

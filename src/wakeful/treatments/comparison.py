@@ -197,7 +197,8 @@ def _row_said(row: Row) -> str:
 
 def _would_change(event: Event, rows: Sequence[Row], own: int, peers: int) -> tuple[str, ...]:
     name = brief(event.entity)
-    back = tuple(f"{bare(row.name)} of {name} back near {valued(row.name, row.own_usual)}" for row in rows if row.unusual)[:2]
+    usual = [(row.name, row.peers_usual if row.own_usual is None else row.own_usual) for row in rows if row.unusual]
+    back = tuple(f"{bare(field)} of {name} near {valued(field, value)}" for field, value in usual if value is not None)[:2]
     few = (f"more events of {name} (now {own})",) if own < 6 else ()
     alone = (f"{event.kind.replace('_', ' ')} events of peers (now {peers})",) if peers < 6 else ()
     return (*back, *few, *alone) or (

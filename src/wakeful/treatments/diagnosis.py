@@ -22,6 +22,9 @@ from wakeful.treatments.symptoms import findings, holds, seen_in, split, told
 from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
 from wakeful.treatments.wording import percent, subject, worded
 
+#: A suspect less likely than this stands in the result, not in its sentence.
+WORTH_NAMING = 0.02
+
 
 class DiagnosisSettings(Fact, frozen=True):
     """When a fault counts as found, when looking on is worth nothing, and which earlier events still are symptoms."""
@@ -237,7 +240,11 @@ def _named(top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
     if not top.explains:
         near = f"; signs near it ({', '.join(map(told, top.shown[:3]))}) point to {top.fault}, {percent(top.posterior)}"
         return f": no fault of the table explains it{near if top.shown else ''}"
-    others = ", ".join(f"{other.fault} {percent(other.posterior)}" for other in suspects[1:3] if other.explains)
+    others = ", ".join(
+        f"{other.fault} {percent(other.posterior)}"
+        for other in suspects[1:3]
+        if other.explains and other.posterior >= WORTH_NAMING
+    )
     signs = f"from {percent(top.prior)} by {', '.join(map(told, top.shown))}"
     return f": {top.fault} {percent(top.posterior)} ({signs}{'; then ' + others if others else ''})"
 

@@ -1,7 +1,7 @@
 """What the world will show: the prior and what a treatment found, pooled with declared weights.
 
 Each voice is a set of probabilities over the domain's outcome labels that weighs as much as so many cases; the pool is their
-weighted mean, which is the posterior mean of a Dirichlet that began empty (a linear opinion pool; Genest and Zidek 1986).
+weighted mean: the posterior mean of a Dirichlet distribution, a linear opinion pool (Genest and Zidek 1986).
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ PRIOR_CASES: dict[Mode, float] = {"auto": 20.0, "delib": 4.0, "fallback": 2.0}
 #: What a case weighs that was recalled by its entity or kind alone: nobody knows how like the event it is.
 UNRANKED = 0.2
 
+
+#: What not knowing weighs where there is no prior: the even Dirichlet prior of one case.
+UNKNOWN_CASES = 1.0
 
 #: What a table of the domain weighs as a forecaster: it says how likely a thing is, but not that it is so within the window.
 TABLE_CASES = 1.0
@@ -80,7 +83,7 @@ def model_voice(domain: DomainSpec, who: str, chances: Mapping[str, float], case
 def pooled(mind: Mind, event: Event, voices: Iterable[Voice | None]) -> Forecast | None:
     """The forecast that the prior and these voices give together; None where nobody says anything."""
     outcome = mind.domain.outcome
-    heard = [voice for voice in (prior_voice(mind), *voices) if voice is not None and voice.cases > 0.0]
+    heard = _heard(mind, voices)
     weight = sum(voice.cases for voice in heard)
     if weight <= 0.0 or not outcome.labels:
         return None
@@ -101,7 +104,7 @@ def pooled(mind: Mind, event: Event, voices: Iterable[Voice | None]) -> Forecast
 
 def forecast_reasons(mind: Mind, voices: Iterable[Voice | None]) -> tuple[str, ...]:
     """Whose opinion the forecast rests on, and how much each weighs."""
-    heard = [voice for voice in (prior_voice(mind), *voices) if voice is not None and voice.cases > 0.0]
+    heard = _heard(mind, voices)
     return tuple(f"forecast: {voice.who}, weighing {significant(voice.cases, 3):g} cases" for voice in heard)
 
 
@@ -112,6 +115,17 @@ def expectation(forecast: Forecast | None) -> str:
     '; expect none (93 %)'
     """
     return "" if forecast is None else f"; expect {forecast.label} ({percent(forecast.probability)})"
+
+
+def _heard(mind: Mind, voices: Iterable[Voice | None]) -> list[Voice]:
+    """Who speaks. Where the prior is silent, one case's worth of not knowing keeps a few cases from certainty."""
+    prior = prior_voice(mind)
+    others = [voice for voice in voices if voice is not None and voice.cases > 0.0]
+    if prior is not None or not others:
+        return [*([prior] if prior is not None else []), *others]
+    labels = mind.domain.outcome.labels
+    evenly = {label: 1.0 / len(labels) for label in labels}
+    return [Voice(who="not knowing", probabilities=evenly, cases=UNKNOWN_CASES), *others]
 
 
 def _over(labels: tuple[str, ...], prior: Mapping[str, float]) -> dict[str, float]:

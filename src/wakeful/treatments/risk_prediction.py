@@ -11,7 +11,7 @@ from wakeful.facts.results import Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.forecasting import forecast_reasons, model_voice, pooled, recalled_voice
+from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, worst
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
 from wakeful.treatments.measures import number
@@ -90,7 +90,7 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
     # sure of a risk is who has a narrow interval, whatever its middle
     confidence = NOTHING_TO_GO_ON if top is None else 1.0 - (top.high - top.low)
     return RiskPrediction(
-        says=sentence(mind, subject(event), _risk(rows, settings.mass), _time(ahead, heard)),
+        says=sentence(mind, subject(event), _risk(rows, settings.mass), _time(ahead, heard), expectation(forecast)),
         confidence=sure(mind, confidence),
         rests_on=(
             f"event {event.id}",
