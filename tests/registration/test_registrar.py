@@ -284,6 +284,12 @@ def test_an_unknown_detector_setting_or_placeholder_is_refused_with_a_way_out() 
         registrar(head + 'detector = "bnad"\n')
     with pytest.raises(DomainError, match=r"unknown field `widht`; it knows width"):
         registrar(head + 'detector = "band"\nsettings = { widht = 2.0 }\n')
+    with pytest.raises(DomainError, match=r"detect 'k' \(band\): settings: Expected `float` > 0.0 - at `\$.phase_s`"):
+        registrar(head + 'detector = "band"\nsettings = { phase_s = 0.0 }\n')
+    with pytest.raises(DomainError, match=r"settings.match is no regular expression"):
+        registrar(head + 'detector = "text"\nsettings = { match = "(" }\n')
+    with pytest.raises(DomainError, match=r"settings.criticality: 'FATAL'; write name=number"):
+        registrar(head + 'detector = "conditions"\nsettings = { criticality = ["FATAL"] }\n')
     with pytest.raises(DomainError, match=r"nothing is called \{joint\}"):
         registrar(head + 'detector = "band"\nentity = "{joint}"\n')
 

@@ -158,7 +158,7 @@ def _labels(seen: Survey) -> dict[str, str]:
 
 
 def _changing(seen: Survey, topic: str) -> list[Channel]:
-    return [each for each in seen.channels.values() if each.topic == topic and (each.is_flag or each.is_category or each.is_code)]
+    return [each for each in seen.channels.values() if each.topic == topic and each.is_state]
 
 
 def _roles(listed: Channel) -> Iterator[tuple[str, str]]:

@@ -24,6 +24,7 @@ RARE: Final = 0.2
 """A flag that is up for less than this share of the time may be an outcome."""
 OUTCOMES: Final = 6
 TROUBLE: Final = re.compile(r"fail|fault|error|stop|lost|loss|alarm|collision|emergenc|crash|abort|critical|trip", re.IGNORECASE)
+_SENTENCE = re.compile(r"[A-Za-z]{2,}\S*\s+\S")
 
 
 class Channel(msgspec.Struct):
@@ -51,6 +52,8 @@ class Channel(msgspec.Struct):
     members: dict[str, int] = {}
     last: float | None = None
     last_flag: bool | None = None
+    last_word: str = ""
+    turns: int = 0
 
     @property
     def channel(self) -> str:
@@ -110,6 +113,11 @@ class Channel(msgspec.Struct):
         seldom = distinct <= 4 or self.changes < 0.02 * self.numbers
         other = self.is_flag or self.is_cycle or self.is_counter
         return self.whole and 1 < distinct <= DISTINCT and seldom and not other
+
+    @property
+    def is_state(self) -> bool:
+        """A flag, category or code that turns seldom enough for each turn to be news."""
+        return (self.is_flag or self.is_category or self.is_code) and self.turns <= max(0.05 * self.count, 3)
 
     @property
     def is_list_of_conditions(self) -> bool:
@@ -185,13 +193,16 @@ def _take(seen: Channel, value: Value) -> None:
         seen.flags += 1
         seen.true += value
         seen.rises += value and seen.last_flag is False
+        seen.turns += seen.last_flag is not None and value is not seen.last_flag
         seen.last_flag = value
     elif isinstance(value, int | float):
         if -1e150 < value < 1e150:
             _take_number(seen, float(value))
     elif isinstance(value, str) and value.strip():
         seen.texts += 1
-        seen.spaced += " " in value.strip()
+        seen.spaced += _SENTENCE.search(value) is not None
+        seen.turns += seen.last_word not in ("", value[:200])
+        seen.last_word = value[:200]
         if len(seen.words) <= DISTINCT:
             seen.words.add(value[:200])
     elif isinstance(value, list | tuple):
@@ -209,6 +220,7 @@ def _take_number(seen: Channel, value: float) -> None:
     seen.whole = seen.whole and value.is_integer()
     if seen.last is not None and value != seen.last:
         seen.changes += 1
+        seen.turns += 1
         seen.ups += value > seen.last
         seen.downs += value < seen.last
         seen.by_one += value - seen.last == 1.0

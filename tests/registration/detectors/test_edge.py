@@ -40,5 +40,5 @@ def test_only_the_values_that_were_asked_for() -> None:
 
 
 def test_an_edge_of_no_known_kind_is_refused() -> None:
-    with pytest.raises(DomainError, match=r"settings.on is 'up'; use one of rising"):
+    with pytest.raises(DomainError, match=r"Invalid enum value 'up' - at `\$\.on`; it knows on, first"):
         detector("edge", on="up")

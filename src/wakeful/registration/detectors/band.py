@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 import msgspec
 
@@ -12,7 +12,18 @@ from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
 from wakeful.registration.channels import Channels
 from wakeful.registration.cycle_clock import CycleClock, Place
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import (
+    Count,
+    Memory,
+    NotNegative,
+    PerChannel,
+    Positive,
+    Seen,
+    Settings,
+    Share,
+    settings_of,
+    short,
+)
 from wakeful.registration.learned_band import Band
 from wakeful.registration.plain import elapsed_s, number
 
@@ -33,21 +44,21 @@ class BandSettings(Settings, frozen=True):
     excursions of several channels within so long are one event, that of the farthest out (0: each for itself).
     """
 
-    width: float = 4.0
-    inner: float = 0.7
-    hold: int = 1
-    calm: int = 2
-    gap_s: float = 10.0
-    learn: int = 60
-    memory: float = 1000.0
-    floor: float = 0.0
+    width: Positive = 4.0
+    inner: Share = 0.7
+    hold: Count = 1
+    calm: Count = 2
+    gap_s: NotNegative = 10.0
+    learn: Count = 60
+    memory: Memory = 1000.0
+    floor: NotNegative = 0.0
     size: bool = False
     cycle: str = ""
     pause: list[str] = []
-    phase_s: float = 5.0
+    phase_s: Positive = 5.0
     lasting: bool = False
-    sides: str = "both"
-    together_s: float = 0.0
+    sides: Literal["both", "above", "below"] = "both"
+    together_s: NotNegative = 0.0
 
 
 class Excursion(msgspec.Struct):

@@ -5,7 +5,7 @@ An author fills in ``look``; the framework owns which values come, in what order
 
 from __future__ import annotations
 
-from typing import ClassVar, Final, Generic, TypeVar
+from typing import Annotated, ClassVar, Final, Generic, TypeVar
 
 import msgspec
 
@@ -20,6 +20,12 @@ CHANNELS: Final = 1024
 """Channels that one detector remembers; beyond it the one first met is forgotten."""
 
 Seen = Found | Shown | Offered
+Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+Memory = Annotated[float, msgspec.Meta(ge=2.0)]
+Count = Annotated[int, msgspec.Meta(ge=1)]
+
 S = TypeVar("S", bound="Settings")
 M = TypeVar("M", bound=msgspec.Struct)
 
@@ -39,6 +45,19 @@ def settings_of(spec: DetectorSpec, kind: type[S]) -> S:
     except msgspec.ValidationError as error:
         known = ", ".join(kind.__struct_fields__)
         raise DomainError(f"detect {spec.kind!r} ({spec.detector}): settings: {error}; it knows {known}") from error
+
+
+def levels_of(spec: DetectorSpec, setting: str, pairs: list[str]) -> dict[str, int]:
+    """Numbers by name, out of texts such as ``"FATAL=3"``. Raises DomainError where one is no such pair."""
+    found = {}
+    for pair in pairs:
+        name, sign, level = (part.strip() for part in pair.partition("="))
+        if not name or not sign or not level.isdigit():
+            raise DomainError(
+                f"detect {spec.kind!r} ({spec.detector}): settings.{setting}: {pair!r}; write name=number, such as FATAL=3"
+            )
+        found[name] = int(level)
+    return found
 
 
 class PerChannel(Generic[M]):

@@ -12,7 +12,7 @@ from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
 from wakeful.registration.channels import named
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of
+from wakeful.registration.detectors.base import PerChannel, Seen, Settings, levels_of, settings_of
 from wakeful.registration.plain import clean, field, scalar
 
 ENTRIES: Final = 256
@@ -56,8 +56,7 @@ class ConditionsDetector(PerChannel[Listed]):
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:
         super().__init__(spec, domain)
         self._settings = settings_of(spec, ConditionsSettings)
-        pairs = (pair.partition("=") for pair in self._settings.criticality)
-        self._criticality = {name.strip(): int(level) for name, _, level in pairs if level.strip().isdigit()}
+        self._criticality = levels_of(spec, "criticality", self._settings.criticality)
 
     def observe(self, observation: Observation) -> list[Seen]:
         """What this observation's lists show."""

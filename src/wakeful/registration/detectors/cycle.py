@@ -13,7 +13,7 @@ from wakeful.facts.events import Observation
 from wakeful.facts.values import Field
 from wakeful.registration.channels import Channels, named
 from wakeful.registration.cycle_clock import CycleClock, Place
-from wakeful.registration.detectors.base import CHANNELS, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import CHANNELS, Count, Memory, Positive, Seen, Settings, settings_of, short
 from wakeful.registration.learned_band import Band
 from wakeful.registration.plain import number
 
@@ -30,9 +30,9 @@ class CycleSettings(Settings, frozen=True):
     """
 
     cycle: str = ""
-    width: float = 3.0
-    learn: int = 15
-    memory: float = 200.0
+    width: Positive = 3.0
+    learn: Count = 15
+    memory: Memory = 200.0
     overdue: bool = True
 
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import msgspec
 
-from wakeful.contracts.domain import DomainError
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
 from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of
 from wakeful.registration.plain import Scalar, elapsed_s, scalar
-
-ON = ("rising", "falling", "change")
 
 
 class EdgeSettings(Settings, frozen=True):
@@ -22,7 +21,7 @@ class EdgeSettings(Settings, frozen=True):
     ``only``: the new values that count, as text (empty: all).
     """
 
-    on: str = "change"
+    on: Literal["rising", "falling", "change"] = "change"
     first: bool = False
     lasting: bool = False
     only: list[str] = []
@@ -43,8 +42,6 @@ class EdgeDetector(PerChannel[Last]):
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:
         super().__init__(spec, domain)
         self._settings = settings_of(spec, EdgeSettings)
-        if self._settings.on not in ON:
-            raise DomainError(f"detect {spec.kind!r} (edge): settings.on is {self._settings.on!r}; use one of {', '.join(ON)}")
 
     def look(self, channel: str, value: Value, memory: Last, observation: Observation) -> Seen | None:
         """Compare with the last value."""

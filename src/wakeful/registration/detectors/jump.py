@@ -7,7 +7,17 @@ import msgspec
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation
 from wakeful.facts.values import Field, Value
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import (
+    Count,
+    Memory,
+    NotNegative,
+    PerChannel,
+    Positive,
+    Seen,
+    Settings,
+    settings_of,
+    short,
+)
 from wakeful.registration.plain import elapsed_s, number
 
 
@@ -19,13 +29,13 @@ class JumpSettings(Settings, frozen=True):
     longest time between two values that are still compared (0: any); ``turn``: the channel is an angle that wraps at so much.
     """
 
-    times: float = 8.0
-    least: float = 0.0
-    learn: int = 30
-    memory: float = 500.0
-    gap_s: float = 5.0
-    longest_s: float = 0.0
-    turn: float = 0.0
+    times: Positive = 8.0
+    least: NotNegative = 0.0
+    learn: Count = 30
+    memory: Memory = 500.0
+    gap_s: NotNegative = 5.0
+    longest_s: NotNegative = 0.0
+    turn: NotNegative = 0.0
 
 
 class Steps(msgspec.Struct):

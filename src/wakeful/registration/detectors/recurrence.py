@@ -14,7 +14,7 @@ from wakeful.facts.events import Observation
 from wakeful.facts.values import Field
 from wakeful.registration.channels import Channels, named
 from wakeful.registration.cycle_clock import CycleClock, Place
-from wakeful.registration.detectors.base import Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import Count, Positive, Seen, Settings, settings_of, short
 from wakeful.registration.plain import Scalar, scalar
 
 TIMES: Final = 32
@@ -31,9 +31,9 @@ class RecurrenceSettings(Settings, frozen=True):
 
     cycle: str = ""
     pause: list[str] = []
-    ahead_s: float = 5.0
-    within: int = 2
-    least: int = 1
+    ahead_s: Positive = 5.0
+    within: Count = 2
+    least: Count = 1
 
 
 class Flag(msgspec.Struct):

@@ -11,7 +11,7 @@ from wakeful.contracts.detector import Found
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.registration.channels import named, reaches
-from wakeful.registration.detectors.base import Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import Count, NotNegative, Positive, Seen, Settings, settings_of, short
 from wakeful.registration.plain import clean, elapsed_s
 
 TOPICS: Final = 512
@@ -26,10 +26,10 @@ class SilenceSettings(Settings, frozen=True):
     there is a usual one; ``steady``: topics whose intervals vary more than so many times their mean are irregular, never silent.
     """
 
-    times: float = 5.0
-    least_s: float = 1.0
-    learn: int = 20
-    steady: float = 3.0
+    times: Positive = 5.0
+    least_s: NotNegative = 1.0
+    learn: Count = 20
+    steady: Positive = 3.0
 
 
 class Rhythm(msgspec.Struct):

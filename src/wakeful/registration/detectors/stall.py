@@ -11,7 +11,7 @@ from wakeful.contracts.domain import DomainError
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.registration.channels import Channels, named
-from wakeful.registration.detectors.base import Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import NotNegative, Positive, Seen, Settings, Share, settings_of, short
 from wakeful.registration.plain import elapsed_s, number
 
 
@@ -24,10 +24,10 @@ class StallSettings(Settings, frozen=True):
 
     commanded: str = ""
     measured: str = ""
-    moving: float = 0.05
-    share: float = 0.3
-    hold_s: float = 1.0
-    stale_s: float = 1.0
+    moving: NotNegative = 0.05
+    share: Share = 0.3
+    hold_s: NotNegative = 1.0
+    stale_s: Positive = 1.0
 
 
 class Effort(msgspec.Struct):

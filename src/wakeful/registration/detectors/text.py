@@ -7,10 +7,11 @@ from typing import Final
 
 import msgspec
 
+from wakeful.contracts.domain import DomainError
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of
+from wakeful.registration.detectors.base import NotNegative, PerChannel, Seen, Settings, levels_of, settings_of
 from wakeful.registration.plain import clean, elapsed_s, number
 
 TEMPLATES: Final = 512
@@ -41,7 +42,7 @@ class TextSettings(Settings, frozen=True):
     level: str = "level"
     least: int = 30
     levels: list[str] = []
-    again_s: float = 60.0
+    again_s: NotNegative = 60.0
     match: str = ""
 
 
@@ -59,9 +60,14 @@ class TextDetector(PerChannel[Heard]):
     def __init__(self, spec: DetectorSpec, domain: DomainSpec) -> None:
         super().__init__(spec, domain)
         self._settings = settings_of(spec, TextSettings)
-        pairs = (pair.partition("=") for pair in self._settings.levels)
-        self._own_levels = {name.strip().lower(): int(level) for name, _, level in pairs if level.strip().isdigit()}
-        self._match = re.compile(self._settings.match)
+        own = levels_of(spec, "levels", self._settings.levels)
+        self._own_levels = {name.lower(): level for name, level in own.items()}
+        try:
+            self._match = re.compile(self._settings.match)
+        except re.error as error:
+            raise DomainError(
+                f"detect {spec.kind!r} (text): settings.match is no regular expression: {error}; correct it"
+            ) from error
 
     def look(self, channel: str, value: Value, memory: Heard, observation: Observation) -> Seen | None:
         """Take one line."""

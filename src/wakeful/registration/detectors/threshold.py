@@ -8,7 +8,7 @@ from wakeful.contracts.domain import DomainError
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import NotNegative, PerChannel, Seen, Settings, settings_of, short
 from wakeful.registration.plain import elapsed_s, number
 
 
@@ -21,8 +21,8 @@ class ThresholdSettings(Settings, frozen=True):
 
     above: float | None = None
     below: float | None = None
-    back: float = 0.0
-    hold_s: float = 0.0
+    back: NotNegative = 0.0
+    hold_s: NotNegative = 0.0
     lasting: bool = True
 
 

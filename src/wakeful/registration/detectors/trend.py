@@ -9,7 +9,7 @@ import msgspec
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation
 from wakeful.facts.values import Field, Value
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import NotNegative, PerChannel, Positive, Seen, Settings, settings_of, short
 from wakeful.registration.plain import elapsed_s, number
 
 POINTS = 16
@@ -23,10 +23,10 @@ class TrendSettings(Settings, frozen=True):
     window, in the channel's unit; ``again_s``: while it goes on, not again before (0: only after it has ended).
     """
 
-    window_s: float = 300.0
-    strength: float = 5.0
-    least: float = 0.0
-    again_s: float = 0.0
+    window_s: Positive = 300.0
+    strength: Positive = 5.0
+    least: NotNegative = 0.0
+    again_s: NotNegative = 0.0
 
 
 class Drift(msgspec.Struct):
