@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from tests.domains.watching import Watch
 
+from tests.domains.watching import Watch
 from wakeful.domains.mobile_base.following import Following
 from wakeful.domains.mobile_base.silence import Silence
 
