@@ -174,7 +174,7 @@ def _module(said: str, known: str = "") -> tuple[str, str]:
     """The module that speaks (``known`` where the text doesn't begin with it), and what it says.
 
     >>> _module("[sensors] no barometer found"), _module("Takeoff detected")
-    ('sensors', 'no barometer found'), ('autopilot', 'Takeoff detected'))
+    (('sensors', 'no barometer found'), ('autopilot', 'Takeoff detected'))
     """
     if said.startswith("[") and 1 < (end := said.find("]")) <= 40 and said[1:end].strip():
         return said[1:end].strip(), said[end + 1 :].strip() or said
