@@ -61,8 +61,9 @@ class EdgeDetector(PerChannel[Last]):
         phase = self._phase(was, now)
         if phase is None or (phase is Phase.RAISED and self._settings.only and str(now) not in self._settings.only):
             return None
-        says = f"{channel} is {now}" + (f", was {was}" if was is not None else "")
-        return self.found(channel, observation, fields, says, phase if self._settings.lasting else None)
+        return self.found(
+            channel, observation, fields, _says(channel, was, now, lasted_s), phase if self._settings.lasting else None
+        )
 
     def _phase(self, was: Scalar | None, now: Scalar) -> Phase | None:
         """What the step is: raised where it is an event, cleared where it only ends one, None where it is neither."""
@@ -77,3 +78,10 @@ class EdgeDetector(PerChannel[Last]):
             same = on != "change" and bool(was) == bool(now) and was is not None
             return None if same else Phase.CHANGED if was and on == "change" else Phase.RAISED
         return Phase.CLEARED if fell and self._settings.lasting else None
+
+
+def _says(channel: str, was: Scalar | None, now: Scalar, lasted_s: float) -> str:
+    before = "" if was is None or lasted_s == float("inf") else f" after {lasted_s:.3g} s"
+    if isinstance(now, bool):
+        return f"{channel} {'came on' if now else 'went off'}{before}"
+    return f"{channel} is {now}" + (f"{before} of {was}" if was is not None else "")
