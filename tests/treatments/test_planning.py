@@ -66,7 +66,7 @@ def test_without_a_graph_the_written_steps_come_in_order_and_are_said_to_be_just
         "look",
         "replace the gear",  # then remedies, once their fault is confirmed
         "clear",
-        "watch J3 for 60 s: none means that it worked",
+        "watch J3 for 60 s: none, stop or drop says whether it worked",
     ]
     assert result.steps[4].preconditions == ("worn gear is confirmed",)
     assert "nothing was searched" in result.says

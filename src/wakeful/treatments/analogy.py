@@ -23,7 +23,7 @@ class AnalogySettings(Fact, frozen=True):
     """How many cases, how near one must be to carry an analogy, and what is believed of analogies before any has ended."""
 
     cases: int = 6
-    cases_deliberating: int = 15
+    cases_deliberating: int = 10
     near: float = 0.2
     """The least worth (overlap.worth) of a case that something is transferred from."""
     wrong_before: float = 0.3

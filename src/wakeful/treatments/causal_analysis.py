@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import exp, prod
+from math import prod
 
 from wakeful.contracts.treatment import Mind
 from wakeful.facts.asking import Episode
 from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
-from wakeful.treatments.beta import Belief
-from wakeful.treatments.causal_graph import Arrow, arrows_of, chains, confounders, out_of
+from wakeful.treatments.causal_effect import Effect, effect_of
+from wakeful.treatments.causal_graph import Arrow, arrows_of, chains, out_of
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
@@ -31,22 +31,6 @@ class CausalSettings(Fact, frozen=True):
     least_cases: int = 3
     arrow_cases: float = 4.0
     """How many cases an arrow's written strength weighs against what was seen."""
-
-
-class Effect(Fact, frozen=True):
-    """What the journal's own history says of one arrow: how often the effect followed, and how often it comes without."""
-
-    followed: int
-    cases: int
-    strength: float
-    low: float
-    high: float
-    base_rate: float | None = None
-    """Probability that the effect appears in such a window anyway; None where too little was seen."""
-    necessity: float | None = None
-    """Probability that the effect would not have come without the cause: excess risk ratio, if identified."""
-    identified: bool = False
-    because: str = ""
 
 
 class Candidate(Fact, frozen=True):
@@ -86,10 +70,7 @@ async def causal_analysis(event: Event, mind: Mind) -> CausalAnalysis:
 
 
 async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAnalysis:
-    """The thinking of ``causal_analysis`` with settings of one's own.
-
-    Source: probability of necessity as the excess risk ratio, valid under exogeneity and monotonicity (Tian and Pearl 2000).
-    """
+    """The thinking of ``causal_analysis`` with settings of one's own."""
     await mind.work(1)
     deep = mind.mode == "delib"
     arrows = arrows_of(mind.domain)
@@ -155,7 +136,7 @@ def _candidate(
     # whole at once, half at the end of the window: later is possible, but another cause had as much time
     fit = 1.0 - 0.5 * before_s / window_s
     here = 1.0 if episode.entity == event.entity else 0.8
-    strengths = [_effect(event, arrow, arrows, seen, effects, settings) for arrow in way]
+    strengths = [effect_of(event, arrow, arrows, seen, effects, settings.arrow_cases, settings.least_cases) for arrow in way]
     return Candidate(
         event=episode.event,
         kind=episode.kind,
@@ -167,59 +148,6 @@ def _candidate(
         effect=strengths[-1],
         because="; ".join(arrow.because for arrow in reversed(way) if arrow.because),
     )
-
-
-def _effect(
-    event: Event,
-    arrow: Arrow,
-    arrows: Sequence[Arrow],
-    seen: Mapping[str, Recalled],
-    effects: Recalled,
-    settings: CausalSettings,
-) -> Effect:
-    """The arrow's strength after what was recalled, and the probability of necessity where it is identified."""
-    before = seen.get(arrow.cause, NOTHING_RECALLED)
-    after = seen.get(arrow.effect, NOTHING_RECALLED) if arrow.effect != event.kind else effects
-    # beyond what both recalls reach, a cause would seem to have had no effect, or an effect no cause
-    reach_s = min(before.reach_s, after.reach_s)
-    causes = [at for at in (age_s(event, episode) for episode in before.episodes) if at <= reach_s]
-    times = [at for at in (age_s(event, episode) for episode in after.episodes) if at <= reach_s]
-    # this event is no case of its own: it is what is to be explained
-    past = [at for at in causes if at > arrow.within_s]
-    followed = sum(1 for at in past if any(0.0 < at - then <= arrow.within_s for then in times))
-    belief = Belief.of(arrow.strength, settings.arrow_cases).after(followed, len(past) - followed)
-    low, high = belief.interval()
-    base = _base_rate(times, causes, arrow.within_s, settings.least_cases)
-    open_doors = confounders(arrows, arrow.cause, arrow.effect)
-    why = ""
-    if open_doors:
-        why = f"unidentified: {', '.join(open_doors)} may cause both"
-    elif len(past) < settings.least_cases:
-        why = f"unidentified: only {len(past)} earlier cases; the strength is the written one"
-    elif base is None:
-        why = "unidentified: how often the effect comes without the cause was not seen"
-    return Effect(
-        followed=followed,
-        cases=len(past),
-        strength=significant(belief.mean),
-        low=low,
-        high=high,
-        base_rate=None if base is None else significant(base),
-        necessity=None if why or base is None else significant(max(1.0 - base / belief.mean, 0.0)),
-        identified=not why,
-        because=why or "identified if the causal graph is right and the cause never prevents the effect",
-    )
-
-
-def _base_rate(times: Sequence[float], causes: Sequence[float], within_s: float, least: int) -> float | None:
-    """P(effect in a window without the cause before it), from the rate of effects that no cause precedes."""
-    if len(times) < least:
-        return None
-    alone = [then for then in times if not any(0.0 < at - then <= within_s for at in causes)]
-    length_s = max((*times, *causes)) - min((*times, *causes))
-    # time that lies in some cause's window is not time without it
-    free_s = length_s - min(sum(within_s for at in causes if at >= 0.0), length_s)
-    return 1.0 - exp(-len(alone) * within_s / free_s) if free_s > within_s else None
 
 
 def _brought_about(candidates: Sequence[Candidate], other: float, wanted: Sequence[str], mind: Mind) -> str:

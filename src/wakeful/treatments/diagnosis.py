@@ -8,19 +8,19 @@ from wakeful.contracts.treatment import Mind
 from wakeful.facts.asking import Episode
 from wakeful.facts.domain import Fault
 from wakeful.facts.events import Event
-from wakeful.facts.evidence import Evidence
 from wakeful.facts.results import Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
+from wakeful.treatments.checking import Check, most_telling, take_in
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
 from wakeful.treatments.remembering import age_s, of_robot, resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.symptoms import findings, holds, seen_in, split, told
-from wakeful.treatments.waiting import Askable, about, askable, patience_s, reading
-from wakeful.treatments.wording import percent, subject, worded
+from wakeful.treatments.symptoms import findings, seen_in, told
+from wakeful.treatments.waiting import askable, patience_s
+from wakeful.treatments.wording import percent, subject
 
 #: A suspect less likely than this stands in the result, not in its sentence.
 WORTH_NAMING = 0.02
@@ -52,16 +52,6 @@ class Suspect(Fact, frozen=True):
     missing: tuple[str, ...] = ()
     check: str = ""
     remedy: str = ""
-
-
-class Check(Fact, frozen=True):
-    """A symptom to look for, and how much it is expected to tell."""
-
-    symptom: str
-    gain_bits: float
-    chance: float
-    evidence: str = ""
-    """Where it can be asked for; empty: only a person can look."""
 
 
 class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
@@ -103,13 +93,13 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
     heard: list[str] = []
     offers = askable(mind.domain, event)
     while mind.mode == "delib" and len(asked) < settings.rounds and _open(event, network, known, settings):
-        check, offer = _most_telling(network, known, offers, asked, settings)
+        check, offer = most_telling(network, known, offers, asked, settings.least_gain_bits)
         limit_s = patience_s(event, mind, offer) if offer is not None else 0.0
         if check is None or offer is None or limit_s <= 0.0:
             break
         asked.append(check.symptom)
         for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
-            _take_in(network, offer, evidence, known, heard)
+            take_in(network, offer, evidence, known, heard)
         await mind.work(1)
         # while it waited the robot may have shown more
         recent = await _recent(event, mind, settings)
@@ -135,39 +125,6 @@ def _explains(fault: Fault, event: Event) -> bool:
     return any(seen_in(symptom, event) for symptom in fault.causes)
 
 
-def _most_telling(
-    network: Network, known: Mapping[str, bool], offers: Sequence[Askable], asked: Sequence[str], settings: DiagnosisSettings
-) -> tuple[Check | None, Askable | None]:
-    """The open symptom with the greatest expected gain, of those that evidence can be had for if there are any."""
-    checks = []
-    unknown = [symptom for symptom in network.symptoms if symptom not in known and symptom not in asked]
-    for symptom, (chance, gain) in network.look_for(unknown, known).items():
-        if gain >= settings.least_gain_bits:
-            offered = about(offers, _field(symptom)) if split(symptom) else ()
-            address = offered[0].address if offered else ""
-            found = Check(symptom=symptom, gain_bits=significant(gain, 4), chance=significant(chance, 4), evidence=address)
-            checks.append((found, offered[0] if offered else None))
-    return min(checks, key=lambda each: (each[1] is None, -each[0].gain_bits, each[0].symptom), default=(None, None))
-
-
-def _take_in(network: Network, offer: Askable, evidence: Evidence, known: dict[str, bool], heard: list[str]) -> None:
-    """Every symptom that the evidence tells of, not only the one that it was asked for."""
-    for symptom in network.symptoms:
-        condition = split(symptom)
-        if symptom in known or condition is None or not about((offer,), condition[0]):
-            continue
-        value = reading(evidence, condition[0])
-        shown = holds(condition, {condition[0]: value})
-        if shown is not None:
-            known[symptom] = shown
-            heard.append(f"evidence {offer.address} at {evidence.at_ns}: {worded(condition[0], value)}")
-
-
-def _field(symptom: str) -> str:
-    condition = split(symptom)
-    return symptom if condition is None else condition[0]
-
-
 def _conclude(
     event: Event,
     mind: Mind,
@@ -183,7 +140,7 @@ def _conclude(
     every = [_suspect(event, fault, posterior[fault.name], known) for fault in network.faults]
     suspects = tuple(sorted(every, key=lambda each: (not each.explains, -each.posterior, each.fault)))
     shown = tuple(symptom for symptom, seen in known.items() if seen)
-    check, _ = _most_telling(network, known, askable(mind.domain, event), (), settings) if shown else (None, None)
+    check, _ = most_telling(network, known, askable(mind.domain, event), (), settings.least_gain_bits) if shown else (None, None)
     voices = [recalled_voice(mind, event, past), _outcomes(mind, network, known)]
     forecast = pooled(mind, event, voices)
     top = suspects[0] if suspects and shown else None

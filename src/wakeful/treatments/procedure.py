@@ -42,8 +42,12 @@ def steps_for(event: Event, domain: DomainSpec) -> tuple[Step, ...]:
     steps = _once([*safe, *checks, *remedies, *advice])
     if not steps or not domain.outcome.labels:
         return steps
-    hold = f"watch {event.entity} for {domain.outcome.within_s:g} s: {domain.outcome.labels[0]} means that it worked"
+    hold = f"watch {event.entity} for {domain.outcome.within_s:g} s: {_either(domain.outcome.labels)} says whether it worked"
     return (*steps, Step(does=hold, preconditions=("the steps above are done",), source="outcome window of the domain"))
+
+
+def _either(labels: tuple[str, ...]) -> str:
+    return labels[0] if len(labels) == 1 else f"{', '.join(labels[:-1])} or {labels[-1]}"
 
 
 def _suspects(event: Event, faults: Iterable[Fault]) -> list[Fault]:
