@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import msgspec
@@ -13,14 +14,16 @@ GAUSS: Final = 1.645
 """Standard deviations from the middle to the 95 % quantile of a normal distribution: makes `Band.score` read like one."""
 
 STEP: Final = 2.0
+FAR: Final = 8.0
+"""A value counts as at most so many widths away: an enormous one moves the band no more than a large one."""
 
 
 class Band(msgspec.Struct):
     """Three quantiles followed by stochastic approximation (Robbins and Monro 1951), started from the sorted first values.
 
     A step is bounded by the band's own width, so that outliers cannot stretch it, while a lasting change of level is taken up
-    within about ``memory`` values. ``size`` follows the mean distance to the middle and keeps a constant channel from
-    getting stuck at zero width.
+    within about ``memory`` values. ``size`` follows the mean distance to the middle, each counted up to FAR widths, and keeps a
+    constant channel from getting stuck at zero width.
     """
 
     count: int = 0
@@ -34,6 +37,12 @@ class Band(msgspec.Struct):
     def learned(self) -> bool:
         """Whether there is a band yet."""
         return self.count > 0 and not self.first
+
+    @property
+    def usual(self) -> float:
+        """The middle, to a hundredth of the band's width: more digits would be noise."""
+        width = max(self.high - self.low, self.size)
+        return round(self.middle, 2 - math.floor(math.log10(width))) + 0.0 if width > 1e-100 else self.middle
 
     def score(self, value: float, floor: float = 0.0) -> float:
         """How far out a value is: 0 at the middle, ±1 a (robust, one-sided) standard deviation, whatever the skew.
@@ -59,8 +68,10 @@ class Band(msgspec.Struct):
             return
         low, middle, high = self.low, self.middle, self.high
         rate = 1.0 / (self.count if self.count < memory else memory)
-        self.size += rate * (abs(value - middle) - self.size)
         width = high - low
+        away = abs(value - middle)
+        most = FAR * (width if width > self.size else self.size)
+        self.size += rate * ((away if away < most or most == 0.0 else most) - self.size)
         step = STEP * rate * (width if width > self.size else self.size)
         if value != low:
             low += step * (LOW if value > low else LOW - 1.0)
@@ -74,5 +85,6 @@ class Band(msgspec.Struct):
         ordered = sorted(self.first)
         last = len(ordered) - 1
         self.low, self.middle, self.high = (ordered[round(share * last)] for share in (LOW, MIDDLE, HIGH))
-        self.size = sum(abs(value - self.middle) for value in ordered) / len(ordered)
+        most = FAR * (self.high - self.low) or math.inf
+        self.size = sum(min(abs(value - self.middle), most) for value in ordered) / len(ordered)
         self.first = []

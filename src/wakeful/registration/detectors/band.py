@@ -112,7 +112,7 @@ class BandDetector(PerChannel[Excursion]):
         if band.learned:
             score = band.score(reading, settings.floor)
             if memory.out or score > settings.width or -score > settings.width:
-                seen = self._judge(channel, reading, score, band.middle, memory, observation)
+                seen = self._judge(channel, reading, score, band.usual, memory, observation)
             else:
                 memory.outside = 0
         band.learn(reading, settings.learn, settings.memory)
@@ -128,7 +128,7 @@ class BandDetector(PerChannel[Excursion]):
         self._clock.place, self._joined_ns, self._memory = msgspec.msgpack.decode(state, type=kept)
 
     def _judge(
-        self, channel: str, reading: float, score: float, middle: float, memory: Excursion, observation: Observation
+        self, channel: str, reading: float, score: float, usual: float, memory: Excursion, observation: Observation
     ) -> Seen | None:
         settings = self._settings
         away = score * self._sign if self._sign else abs(score)
@@ -153,11 +153,11 @@ class BandDetector(PerChannel[Excursion]):
         side = "above" if score > 0 else "below"
         fields: dict[str, Field] = {
             "value": short(reading),
-            "usual": short(middle),
+            "usual": short(usual),
             "deviation": short(min(abs(score), 1e6)),
             "side": side,
         }
-        says = f"{channel} is {reading:.4g}, {abs(score):.1f} deviations {side} its usual {middle:.4g}"
+        says = f"{channel} is {reading:.4g}, {abs(score):.1f} deviations {side} its usual {usual:.4g}"
         return self.found(channel, observation, fields, says, Phase.RAISED if settings.lasting else None)
 
     def _join(self, found: list[Seen], observation: Observation) -> list[Seen]:
