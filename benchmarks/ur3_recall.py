@@ -11,7 +11,8 @@ row and at most w seconds before. Three columns keep the number honest:
   counts: mean and 95 % quantile over the shifts;
 - the rows `without` leave out the events that are themselves an incident (stop, lost grip): an incident foretells the next.
 
-The domain's settings were chosen on the first 60 % of the rows; the last 40 % are printed by themselves.
+The domain's settings were chosen on the first 60 % of the rows; the last 40 % are printed by themselves, and are not quite
+blind (docs/ur3_recall.md says in what respects).
 """
 
 from __future__ import annotations
