@@ -1,10 +1,10 @@
 """Continuous cognitive coverage for robots: every admitted event gets a treatment that fits it.
 
-    >>> import wakeful
-    >>> with wakeful.Mind("service_robot") as mind:
-    ...     receipt = mind.admit("object", "box 7", {"category": "obstacle", "state": "unstable", "location": "edge"})
-    ...     mind.conclusion(receipt.event).treatment
-    'risk_prediction'
+>>> import wakeful
+>>> with wakeful.Mind("service_robot") as mind:
+...     receipt = mind.admit("object", "box 7", {"category": "obstacle", "state": "unstable", "location": "edge"})
+...     mind.conclusion(receipt.event).treatment
+'risk_prediction'
 """
 
 from wakeful.contracts.treatment import Mind as MindView

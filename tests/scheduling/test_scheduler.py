@@ -279,6 +279,30 @@ def test_code_that_no_longer_matches_its_record_is_restarted_and_named(world: Wo
     assert any("no longer matches" in line.record.what for line in world.lines if isinstance(line.record, Noted))
 
 
+async def timekeeper(event: Event, mind: Mind) -> Result:
+    told = [mind.now_s]
+    for _ in range(3):
+        await mind.work(2)
+        told.append(mind.now_s)
+        await mind.evidence("sensor", event.id, within_s=3)
+        told.append(mind.now_s)
+    return say(str(told))
+
+
+def test_a_rebuilt_process_is_told_the_same_times() -> None:
+    def told(crash_at: int | None) -> str:
+        world = World(Repertoire(timekeeper=timekeeper))
+        world.meet("clock", "timekeeper")
+        for second in range(40):
+            world.until(second)
+            if second == crash_at:
+                world.crash()
+        return world.ends()[0][1]
+
+    assert told(None) == "[0.0, 0.0, 5.0, 5.0, 10.0, 10.0, 15.0]"
+    assert {told(second) for second in range(20)} == {told(None)}
+
+
 def _run(plan: list[tuple[int, str, int]], crashes: set[int]) -> World:
     """Meet each event at its second; crash at the seconds in ``crashes``."""
     world = World(ALL, slots=2)

@@ -1,10 +1,11 @@
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 import pytest
 
 from wakeful.contracts.journal import Journal, JournalError
 from wakeful.facts.lines import Line
-from wakeful.journal.memory import MemoryJournal
+from wakeful.journal import MemoryJournal, open_journal
 from wakeful.testing import ContractBroken, check_journal
 
 
@@ -39,8 +40,9 @@ class Clinging(Careful):
         super().commit(lines, {key: value for key, value in state.items() if value is not None}, blobs)
 
 
-def test_a_journal_that_keeps_its_contract_passes() -> None:
-    check_journal(Careful, durable=False)
+def test_the_journals_of_the_project_keep_their_contract(tmp_path: Path) -> None:
+    check_journal(MemoryJournal, durable=False)
+    check_journal(lambda: open_journal(tmp_path / "mind.db"), durable=True)
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,10 @@ class Mind(Protocol):
 
     @property
     def now_s(self) -> float:
-        """Kernel time at the last await, in seconds."""
+        """Kernel time of the last recorded answer (at first: of the event's arrival), in seconds.
+
+        Steps of work since then don't move it, so that a process which is rebuilt after a crash is told the same.
+        """
 
     def work(self, steps: int = 1) -> Awaitable[None]:
         """Spend cognitive effort."""

@@ -68,6 +68,9 @@ def _mistakes(spec: DomainSpec) -> Iterator[Mistake]:
     for hazard in spec.hazard:
         yield from _hazard_mistakes(f"hazard {hazard.name}", hazard)
         yield from _when_mistakes(f"hazard {hazard.name}", hazard.when, spec)
+        for label in hazard.outcomes:
+            if label not in labels:
+                yield f"hazard {hazard.name}", f"outcome {label!r} is not in outcome.labels", f"use one of {', '.join(labels)}"
     for fault in spec.fault:
         for what, probability in (("prior", fault.prior), *fault.causes.items()):
             yield from _probability(f"fault {fault.name}", what, probability)

@@ -114,7 +114,10 @@ class Hazard(Fact, frozen=True):
 
 
 class Fault(Fact, frozen=True):
-    """A device fault for noisy-OR diagnosis: prior, and the probability that it causes each symptom (an event kind or ``field=value``)."""
+    """A device fault for noisy-OR diagnosis: its prior, and the probability that it causes each symptom.
+
+    A symptom is an event kind or ``field=value``.
+    """
 
     name: str
     prior: float

@@ -8,15 +8,17 @@ from wakeful.facts.values import Fact
 class MindSettings(Fact, frozen=True):
     """How one mind thinks.
 
-    ``slots``: processes that may be active at once. ``step_s``: kernel time that one step of work takes (0: the step is over
-    as soon as its code has run, as in the live driver). ``slotted``: steps begin only at multiples of ``step_s``, as in a
-    time-slotted simulator, so that all that came within a step is known before the next one begins. ``keep_evidence_s``: for how long evidence of undeclared topics is
-    kept for who asks later. ``reopen_limit``: at most so many processes are reopened by one contradiction.
-    ``keep_events``: completed events kept in memory for late outcomes and reopening. ``nearest``: how many validated
-    experiences a decision names as what it rests on.
+    ``slots``: processes that may be active at once. ``step_s``: kernel time that one step of work takes (0: the step is
+    over as soon as its code has run, as in the live driver). ``slotted``: steps begin only at multiples of ``step_s``, as
+    in a time-slotted simulator, so that all that came within a step is known before the next one begins.
+    ``keep_evidence_s``: for how long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so
+    many processes are reopened by one contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at
+    once, the others queue by priority (0: no limit). ``keep_events``: completed events kept in memory for late outcomes and
+    reopening. ``nearest``: how many validated experiences a decision names as what it rests on.
     """
 
     slots: int = 1
+    reasoner_slots: int = 0
     step_s: float = 0.02
     slotted: bool = False
     seed: int = 0

@@ -27,8 +27,9 @@ class MemoryJournal:
         Raises:
             JournalError: the positions don't continue the journal's; nothing was kept.
         """
-        if lines and lines[0].position != self.last + 1:
-            raise JournalError(f"line {lines[0].position} does not follow {self.last}")
+        for expected, line in enumerate(lines, self.last + 1):
+            if line.position != expected:
+                raise JournalError(f"line {line.position} does not follow {expected - 1}")
         self._lines.extend(lines)
         for key, value in state.items():
             if value is None:

@@ -106,8 +106,9 @@ class SqliteJournal:
         Raises:
             JournalError: the positions don't continue the journal's, or SQLite could not write (disk full, read-only).
         """
-        if lines and lines[0].position != self._last + 1:
-            raise JournalError(f"line {lines[0].position} does not follow {self._last} in {self.path}")
+        for expected, line in enumerate(lines, self._last + 1):
+            if line.position != expected:
+                raise JournalError(f"line {line.position} does not follow {expected - 1} in {self.path}")
         rows = [self._row(line) for line in lines]
         try:
             with self._db:

@@ -166,6 +166,7 @@ class Episodes:
             event=entry.event.id,
             kind=entry.event.kind,
             entity=entry.event.entity,
+            robot=entry.event.robot,
             at_ns=entry.event.stamp.source_ns,
             likeness=likeness,
             treatment=entry.treatment,

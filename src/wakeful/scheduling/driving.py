@@ -43,20 +43,12 @@ class Coroutines:
         treatment: finds a treatment by name; raises KeyError where there is none.
         spec: the domain's data, for every mind.
         options: the treatments among which deliberation may choose.
-        clock: the kernel's time.
     """
 
-    def __init__(
-        self,
-        treatment: Callable[[str], Treatment],
-        spec: DomainSpec,
-        options: tuple[str, ...],
-        clock: Callable[[], int],
-    ) -> None:
+    def __init__(self, treatment: Callable[[str], Treatment], spec: DomainSpec, options: tuple[str, ...]) -> None:
         self._treatment = treatment
         self._spec = spec
         self._options = options
-        self._clock = clock
 
     def rebuild(self, process: Process, steps: int) -> Step:
         """The coroutine's want after all its recorded answers and ``steps`` steps of work, counted over all attempts.
@@ -70,8 +62,9 @@ class Coroutines:
         first = process.first_of_attempt
         if first is None:
             raise Mismatch("the process has no decision")
-        mind = KernelMind(first.mode, first, lambda: process.decision or first, self._spec, self._clock)
+        mind = KernelMind(first.mode, first, lambda: process.decision or first, self._spec, lambda: process.heard_ns)
         chosen = process.parent != 0
+        process.heard_ns = process.arrived_ns
         process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)
         budget = steps - process.base_steps
         recorded = [asked for asked in process.asked if asked.seq > process.base_seq]
@@ -108,6 +101,7 @@ class Coroutines:
     def answer(self, process: Process, want: Want, answered: Answered) -> Step:
         """Resume the coroutine with a recorded answer to ``want``. Raises Failure as ``send`` does."""
         coroutine = _warm(process)
+        process.heard_ns = process.answered_ns[answered.seq]
         if answered.error and want.kind in (Kind.DELIBERATE, Kind.CALL, Kind.TREAT):
             return self._run(coroutine.throw, Refusal(answered.error))
         return self._run(coroutine.send, self._value(want, answered))

@@ -32,7 +32,7 @@ class KernelMind:
         decision: the decision with which this attempt began.
         current: gives the decision in force, which deliberation may have revised.
         domain: the domain's data.
-        clock: the kernel's time in nanoseconds, as of the last await.
+        clock: kernel time in nanoseconds of the last recorded answer.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class KernelMind:
 
     @property
     def now_s(self) -> float:
-        """Kernel time at the last await, in seconds."""
+        """Kernel time of the last recorded answer, at first of the event's arrival, in seconds."""
         return to_s(self._clock())
 
     def forecast(self) -> Forecast | None:

@@ -30,12 +30,18 @@ class Process(msgspec.Struct, kw_only=True):
     steps: int = 0
     """Completed steps, as of the last transition; the steps since a dispatch are added at the next one."""
     active_since_ns: int = 0
-    held: bool = False
+    started_ns: int | None = None
+    spent_ns: int = 0
+    """For how long it held a slot, up to the last time that it gave it up."""
+    held_by: str = ""
+    """The operator who holds it; empty: nobody."""
     preempted_by: str = ""
     asked: list[Asked] = []
     asked_ns: int = 0
     """When the last request was made."""
     answers: dict[int, Answered] = {}
+    answered_ns: dict[int, int] = {}
+    """When each answer was recorded."""
     taken: dict[str, tuple[str, ...]] = {}
     """Ids of the evidence that it has had, by topic and key: none is delivered to it twice."""
     base_seq: int = 0
@@ -47,8 +53,15 @@ class Process(msgspec.Struct, kw_only=True):
     want: Work | Want | None = None
     stepping: bool = False
     """Within a step: it gives up its slot at the step's end at the earliest."""
+    heard_ns: int = 0
+    """The time that its mind tells: of the last answer that it has heard, so that a rebuilt coroutine is told the same."""
     ran: int = 0
     """Steps since the dispatch."""
+
+    @property
+    def held(self) -> bool:
+        """Whether an operator holds it: it keeps its state, and is not eligible."""
+        return bool(self.held_by)
 
     @property
     def pending(self) -> Asked | None:
@@ -81,6 +94,9 @@ class Process(msgspec.Struct, kw_only=True):
             priority=priority if isinstance(priority, int) else int(self.event.criticality),
             deadline_ns=self.deadline_ns,
             steps_needed=needed if isinstance(needed, int) else None,
+            kind=self.event.kind,
+            started_ns=self.started_ns,
+            spent_ns=self.spent_ns,
             needs_evidence=evidence if isinstance(evidence, bool) else None,
             evidence_due_ns=pending.expires_ns if pending else None,
         )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import msgspec
 
-from wakeful.contracts.policy import Policy
+from wakeful.contracts.policy import LearningPolicy, Policy
 from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
@@ -14,6 +14,7 @@ from wakeful.facts.evidence import Evidence
 from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.scheduling.process import Process
+from wakeful.scheduling.reasoner_calls import ReasonerCalls
 
 _EVENT = msgspec.json.Decoder(Event)
 _EVIDENCE = msgspec.json.Decoder(tuple[Evidence, ...])
@@ -25,13 +26,18 @@ class ProcessSet:
     Args:
         policy: told of every change, in the order of the records, live and in recovery alike.
         event_of: finds the event of a root process; a child's event stands in its parent's request.
+        reasoner_slots: how many calls of the reasoner may be under way at once; 0: no limit.
     """
 
-    def __init__(self, policy: Policy, event_of: Callable[[str], Event]) -> None:
+    def __init__(self, policy: Policy, event_of: Callable[[str], Event], reasoner_slots: int = 0) -> None:
         self.policy = policy
+        self.reasoner_calls = ReasonerCalls(reasoner_slots)
+        self._learns = policy if isinstance(policy, LearningPolicy) else None
         self._event_of = event_of
         self._open: dict[int, Process] = {}
         self._runnable: set[int] = set()
+        self._held: set[int] = set()
+        self._acts: set[str] = set()
         self._active: list[int] = []
         self._last = 0
         self._by_condition: dict[str, list[int]] = {}
@@ -49,8 +55,16 @@ class ProcessSet:
 
     @property
     def runnable(self) -> int:
-        """How many processes could use a slot, or hold one."""
-        return len(self._runnable) + len(self._active)
+        """How many processes could use a slot, or hold one; those that an operator holds can't."""
+        return len(self._runnable) + len(self._active) - sum(1 for each in self._held if each in self._runnable)
+
+    def acted(self, identity: str) -> bool:
+        """Whether an act of that id was taken up before."""
+        return identity in self._acts
+
+    def children(self, process: int) -> list[Process]:
+        """The open children of a process, oldest first."""
+        return [each for each in self._open.values() if each.parent == process]
 
     def __contains__(self, process: int) -> bool:
         return process in self._open
@@ -95,8 +109,12 @@ class ProcessSet:
             process.asked_ns = now_ns
             if record.kind is Kind.EVIDENCE:
                 self._by_evidence.setdefault(record.key, []).append(process.id)
+            elif record.kind is Kind.DELIBERATE:
+                view = process.view()
+                key = (-view.criticality, -view.priority, view.arrived_ns)
+                self.reasoner_calls.ask(process.id, key, now_ns, held=process.held)
         elif isinstance(record, Answered):
-            self._answered(record)
+            self._answered(record, now_ns)
         elif isinstance(record, Acted):
             self._acted(record, now_ns)
 
@@ -118,6 +136,7 @@ class ProcessSet:
             deadline_ns=record.deadline_ns,
             asked=[],
             answers={},
+            answered_ns={},
             taken={},
         )
         self._open[process.id] = process
@@ -136,9 +155,12 @@ class ProcessSet:
         elif process.id in self._runnable and not process.held:
             self.policy.runnable(process.view(), now_ns)
 
-    def _answered(self, record: Answered) -> None:
+    def _answered(self, record: Answered, now_ns: int) -> None:
         process = self._open[record.process]
+        if record.kind is Kind.DELIBERATE:
+            self.reasoner_calls.leave(process.id, now_ns)
         process.answers[record.seq] = record
+        process.answered_ns[record.seq] = now_ns
         if record.kind is Kind.EVIDENCE:
             _drop(self._by_evidence, record.key, process.id)
             had = () if record.error else tuple(each.id for each in _EVIDENCE.decode(record.value))
@@ -152,17 +174,23 @@ class ProcessSet:
         if before is State.ACTIVE:
             self._active.remove(process.id)
             process.stepping = False
+            process.spent_ns += now_ns - process.active_since_ns
         self._runnable.discard(process.id)
         if record.trigger is Trigger.RESTART:
             self._restarted(process)
+            self.reasoner_calls.leave(process.id, now_ns)
         if process.state is State.ACTIVE:
             self._active.append(process.id)
             process.active_since_ns = now_ns
+            process.started_ns = now_ns if process.started_ns is None else process.started_ns
             process.ran = 0
         elif process.state is State.COMPLETED:
+            if record.trigger is Trigger.RESOLVE and self._learns is not None:
+                self._learns.completed(process.view(), now_ns)
             self._completed(process, now_ns)
         elif process.state is State.WAITING:
-            self.policy.waiting(process.view(), now_ns)
+            if not process.held:
+                self.policy.waiting(process.view(), now_ns)
         else:
             process.preempted_by = record.by if record.trigger is Trigger.PREEMPT else ""
             self._runnable.add(process.id)
@@ -184,6 +212,8 @@ class ProcessSet:
 
     def _completed(self, process: Process, now_ns: int) -> None:
         del self._open[process.id]
+        self._held.discard(process.id)
+        self.reasoner_calls.leave(process.id, now_ns)
         pending = process.pending
         if pending is not None and pending.kind is Kind.EVIDENCE:
             _drop(self._by_evidence, pending.key, process.id)
@@ -195,15 +225,23 @@ class ProcessSet:
         self.policy.gone(process.id, now_ns)
 
     def _acted(self, record: Acted, now_ns: int) -> None:
+        if record.id:
+            self._acts.add(record.id)
         process = self._open.get(record.process)
-        if process is None:
+        if process is None or record.refused:
             return
         if record.act == "hold":
-            process.held = True
+            process.held_by = record.who or "an operator"
+            self._held.add(process.id)
             self.policy.gone(process.id, now_ns)
-        elif record.act == "release":
-            process.held = False
-            if process.id in self._runnable or process.state is State.ACTIVE:
+            self.reasoner_calls.hold(process.id)
+        elif record.act == "release" and process.held:
+            process.held_by = ""
+            self._held.discard(process.id)
+            self.reasoner_calls.let_go(process.id, now_ns)
+            if process.state is State.WAITING:
+                self.policy.waiting(process.view(), now_ns)
+            else:
                 self.policy.runnable(process.view(), now_ns)
 
 

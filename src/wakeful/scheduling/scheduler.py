@@ -16,7 +16,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Act, Answer, Call
-from wakeful.facts.lines import Answered, AnyRecord, Asked, Concluded, Created, Decided, Moved
+from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Concluded, Created, Decided, Moved
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.facts.results import Result, Unresolved
 from wakeful.facts.settings import MindSettings
@@ -31,6 +31,9 @@ from wakeful.scheduling.wants import Want, Work
 
 _STEP, _LIMIT, _TICK = 0, 1, 2
 _OUTSIDE = (Kind.DELIBERATE, Kind.ASK, Kind.CALL)
+
+#: The acts that need an open process.
+ON_OPEN = ("hold", "release", "cancel")
 
 #: What an Answered says in ``error`` when a call with effect was in doubt after a crash: a person is told, it is never retried.
 IN_DOUBT = "in doubt after a crash: a call with effect is never made again"
@@ -85,8 +88,8 @@ class Scheduler:
         self._slots = host.settings.slots
         self._step_ns = to_ns(host.settings.step_s)
         self.shelf = shelf
-        self.processes = ProcessSet(policy, host.event)
-        self._coroutines = Coroutines(treatments.get, spec, options, lambda: host.now_ns)
+        self.processes = ProcessSet(policy, host.event, host.settings.reasoner_slots)
+        self._coroutines = Coroutines(treatments.get, spec, options)
         self._due: list[tuple[int, int, int, int]] = []
         self._tick_ns: int | None = None
 
@@ -173,10 +176,12 @@ class Scheduler:
 
     def _settle(self) -> None:
         """Give the slots to whom the policy picks, until nobody needs to move; then let the holders' steps run."""
+        self._ask_the_reasoner()
         if self._wait_for_tick():
             return
         while True:
-            pick = self._policy.pick(self.processes.active, self._slots, self._host.now_ns)
+            running = [each for each in self.processes.active if not self.processes[each].held]
+            pick = self._policy.pick(running, self._slots, self._host.now_ns)
             for each in pick.abandon:
                 self._move(self.processes[each], Trigger.ABANDON)
             if pick.abandon:
@@ -185,11 +190,15 @@ class Scheduler:
             for each in list(self.processes.active):
                 process = self.processes[each]
                 if each not in pick.run and not process.stepping:
-                    self._move(process, Trigger.PREEMPT, by=f"P{newcomers[0]}" if newcomers else "policy")
+                    by = process.held_by or (f"P{newcomers[0]}" if newcomers else "policy")
+                    self._move(process, Trigger.PREEMPT, by=by)
             free = self._slots - len(self.processes.active)
             if not newcomers or free <= 0:
                 break
             self._dispatch(self.processes[newcomers[0]])
+        if pick.again_ns is not None and pick.again_ns > self._host.now_ns:
+            self._ask_again(pick.again_ns)
+        self._ask_the_reasoner()
         for each in self.processes.active:
             self._begin_step(self.processes[each])
 
@@ -204,10 +213,14 @@ class Scheduler:
         now_ns = self._host.now_ns
         if not self._host.settings.slotted or not self._step_ns or now_ns % self._step_ns == 0:
             return False
-        if self._tick_ns is None:
-            self._tick_ns = now_ns - now_ns % self._step_ns + self._step_ns
-            heapq.heappush(self._due, (self._tick_ns, _TICK, 0, 0))
+        self._ask_again(now_ns - now_ns % self._step_ns + self._step_ns)
         return True
+
+    def _ask_again(self, at_ns: int) -> None:
+        """Settle at that instant whatever else falls due, unless that is to be done sooner anyway."""
+        if self._tick_ns is None or at_ns < self._tick_ns:
+            self._tick_ns = at_ns
+            heapq.heappush(self._due, (at_ns, _TICK, 0, 0))
 
     def _dispatch(self, process: Process) -> None:
         self._move(process, Trigger.DISPATCH)
@@ -311,20 +324,30 @@ class Scheduler:
             if decision is not None:
                 child = msgspec.structs.replace(decision, treatment=want.key, reasons=(f"asked for by P{process.id}",))
                 self.create(event, child, deadline_ns=process.deadline_ns, parent=process.id)
-        elif want.kind in _OUTSIDE:
-            self._host.call(
-                Call(
-                    process=process.id,
-                    seq=pending.seq,
-                    asked_ns=process.asked_ns,
-                    expires_ns=pending.expires_ns if pending.expires_ns is not None else process.asked_ns,
-                    question=want.question,
-                    role=want.role,
-                    function=want.function,
-                    safety=want.safety,
-                    key=f"{process.event.id}/{process.id}/{pending.seq}",
-                )
+        elif want.kind in _OUTSIDE and want.kind is not Kind.DELIBERATE:
+            self._call(process, want, pending, process.asked_ns)
+
+    def _ask_the_reasoner(self) -> None:
+        """Have the calls made whose turn has come; the others queue in the process set. After a recovery: all under way."""
+        for each, since_ns in self.processes.reasoner_calls.take():
+            process = self.processes[each]
+            if process.pending is not None and isinstance(process.want, Want):
+                self._call(process, process.want, process.pending, since_ns)
+
+    def _call(self, process: Process, want: Want, pending: Asked, since_ns: int) -> None:
+        self._host.call(
+            Call(
+                process=process.id,
+                seq=pending.seq,
+                asked_ns=since_ns,
+                expires_ns=pending.expires_ns if pending.expires_ns is not None else since_ns,
+                question=want.question,
+                role=want.role,
+                function=want.function,
+                safety=want.safety,
+                key=f"{process.event.id}/{process.id}/{pending.seq}",
             )
+        )
 
     def answer(self, answer: Answer) -> None:
         """A call's answer. One that comes twice, or for a process that is gone, is passed over."""
@@ -408,21 +431,41 @@ class Scheduler:
         self._host.write(record)
         self._move(process, trigger)
         if process.parent:
-            self._tell_parent(process, record)
+            self._tell_parent(process, record.result)
         self._host.concluded(record)
 
-    def _tell_parent(self, process: Process, record: Concluded) -> None:
+    def _tell_parent(self, process: Process, value: Raw, error: str = "") -> None:
         parent = self.processes.get(process.parent)
         pending = parent.pending if parent is not None else None
-        if parent is not None and pending is not None and pending.kind is Kind.TREAT and pending.key == record.treatment:
-            self._answered(parent, pending, record.result, "")
+        treatment = process.decision.treatment if process.decision is not None else ""
+        if parent is not None and pending is not None and pending.kind is Kind.TREAT and pending.key == treatment:
+            self._answered(parent, pending, value, error)
+
+    # --- operators ---
 
     def act(self, act: Act) -> None:
-        """An operator's act on a process, already recorded: a cancel completes it; holds and releases are flags."""
-        process = self.processes.get(act.process)
-        if process is not None and act.act == "cancel":
-            self._move(process, Trigger.CANCEL, by=act.who)
+        """Take up an operator's act, and give the slots anew. One whose id was taken up before is passed over."""
+        self.take(act)
         self._settle()
+
+    def take(self, act: Act) -> None:
+        """Record the act and what it does, and move nobody else: all that is done to a journal at rest.
+
+        A hold and its release are flags. A cancel completes the process and its children; whoever waits for it hears so.
+        """
+        if act.id and self.processes.acted(act.id):
+            return
+        process = self.processes.get(act.process)
+        refused = f"process {act.process} is not open" if process is None and act.act in ON_OPEN else ""
+        self._host.write(Acted(who=act.who, act=act.act, process=act.process, why=act.why, id=act.id, refused=refused))
+        if process is not None and act.act == "cancel":
+            self._cancel(process, act.who)
+
+    def _cancel(self, process: Process, who: str) -> None:
+        self._move(process, Trigger.CANCEL, by=who)
+        for child in self.processes.children(process.id):
+            self._cancel(child, who)
+        self._tell_parent(process, NOTHING, f"cancelled by {who}")
 
     def _move(self, process: Process, trigger: Trigger, by: str = "") -> None:
         steps = process.steps + (process.ran if process.state is State.ACTIVE else 0)
