@@ -77,6 +77,13 @@ def test_an_unknown_name_is_answered_with_the_names_there_are() -> None:
             ("[[detect]]", '[[hazard]]\nname = "x"\nseverity = 9\nexposure = 1.0\nlikelihood = 1.0\n[[detect]]'),
             "hazard x: severity 9",
         ),
+        (
+            (
+                "[[detect]]",
+                '[[hazard]]\nname = "x"\nseverity = 1\nexposure = 1.0\nlikelihood = 1.0\noutcomes = ["bang"]\n[[detect]]',
+            ),
+            "hazard x: outcome 'bang' is not in outcome.labels; use one of none, stop",
+        ),
     ],
 )
 def test_a_bad_toml_is_refused_with_its_place_and_a_way_out(change: tuple[str, str], says: str) -> None:
