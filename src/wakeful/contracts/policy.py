@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import msgspec
 
@@ -11,10 +11,14 @@ from wakeful.facts.processes import ProcessView
 
 
 class Pick(msgspec.Struct, frozen=True):
-    """The processes that hold the slots for the next step, and those dropped on purpose (only experiments allow it)."""
+    """The processes that hold the slots for the next step, and those dropped on purpose (only experiments allow it).
+
+    ``again_ns``: a policy that leaves slots empty though somebody could use them says when it wants to be asked again.
+    """
 
     run: tuple[int, ...]
     abandon: tuple[int, ...] = ()
+    again_ns: int | None = None
 
 
 class Policy(Protocol):
@@ -36,3 +40,11 @@ class Policy(Protocol):
 
     def pick(self, running: Sequence[int], slots: int, now_ns: int) -> Pick:
         """At most ``slots`` processes for the next step; ``running`` held them in the last one. O(log n)."""
+
+
+@runtime_checkable
+class LearningPolicy(Policy, Protocol):
+    """A policy that learns how much effort processes take. Recovery tells it the same completions again."""
+
+    def completed(self, view: ProcessView, now_ns: int) -> None:
+        """The process was resolved: its last view, with all its steps. ``gone`` follows."""

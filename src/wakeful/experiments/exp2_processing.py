@@ -103,7 +103,7 @@ async def paced(event: Event, mind: Mind) -> Paced:
     fields = event.context.fields
     units = fields["work"]
     await mind.work(int(units if isinstance(units, int) else 1) - 1)
-    if fields["needs_evidence"]:
+    if fields["awaits"]:
         await mind.evidence("service_load", event.entity, within_s=float(STEPS + 2))
     await mind.work(1)
     return Paced(says="done", confidence=1.0, rests_on=(event.id,))
@@ -137,7 +137,7 @@ def run(world: tuple[Arrival, ...], policy: Policy, *, steps_known: bool = True)
     Args:
         world: the events, in the order of their arrival.
         policy: fresh.
-        steps_known: whether an event says how many units it will need; a live robot's do not.
+        steps_known: whether an event says how many units it will need, and whether it will wait; a live robot's do not.
     """
     settings = MindSettings(slots=1, step_s=1.0, slotted=True, keep_evidence_s=float(2 * STEPS))
     kernel = Kernel(ServiceLoadDomain(), Registry(own=(paced,), installed=()), TwoHeads(), policy, settings)
@@ -163,17 +163,14 @@ def run(world: tuple[Arrival, ...], policy: Policy, *, steps_known: bool = True)
 
 
 def _draft(arrival: Arrival, position: int, steps_known: bool) -> Draft:
-    fields: dict[str, Field] = {
-        "work": arrival.work,
-        "priority": arrival.priority,
-        "needs_evidence": arrival.evidence_steps is not None,
-    }
+    awaits = arrival.evidence_steps is not None
+    fields: dict[str, Field] = {"work": arrival.work, "awaits": awaits, "priority": arrival.priority}
     if steps_known:
-        fields["steps_needed"] = arrival.work
+        fields |= {"steps_needed": arrival.work, "needs_evidence": awaits}
     # The deadline's step is the last in which the event may be worked on: it ends one step later.
     deadline_s = None if arrival.deadline_steps is None else arrival.deadline_steps + 1 + _BEFORE_NS / NS_PER_S
     return Draft(
-        kind="critical" if arrival.critical else "routine",
+        kind=arrival.kind,
         entity=f"E{position + 1}",
         source=SOURCE,
         position=position,

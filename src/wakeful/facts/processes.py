@@ -108,6 +108,12 @@ class ProcessView(Fact, frozen=True):
     deadline_ns: int | None = None
     steps_needed: int | None = None
     """Where the world declares it (experiments) or history estimates it; None where nobody knows."""
+    kind: str = ""
+    """The event's kind: with the treatment, what a policy may learn from how long such processes took."""
+    started_ns: int | None = None
+    """When its first step began; None before that."""
+    spent_ns: int = 0
+    """For how long it has held a slot, up to the last time that it gave it up."""
     needs_evidence: bool | None = None
     """Whether it will wait for evidence before its last step, where the event says so; None where nobody knows."""
     evidence_due_ns: int | None = None

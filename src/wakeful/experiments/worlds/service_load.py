@@ -21,10 +21,13 @@ class Arrival(Fact, frozen=True):
 
     ``step``: when it arrives, known before that step's work. ``work``: units of cognition, one a step. ``deadline_steps``:
     a critical event's last unit must be done within so many steps after the arrival. ``evidence_steps``: its last unit needs
-    evidence that comes so many steps after its first unit; None where it needs none.
+    evidence that comes so many steps after its first unit; None where it needs none. ``kind`` is all that a robot could know of
+    its effort beforehand: events of one kind take one of two adjacent amounts of work, and all or none of them need evidence,
+    as it is with the product's own treatments.
     """
 
     step: int
+    kind: str
     critical: bool
     task_relevant: bool
     work: int
@@ -84,11 +87,13 @@ SECOND = Parameters(name="second", suffix="_2", work=(3, 7), deadline_steps=(6, 
 def arrivals(load: Load, parameters: Parameters, seed: int) -> tuple[Arrival, ...]:
     """The events of one run, in the order of their arrival. The same arguments give the same events.
 
-    When events come, and what they are like, is drawn from two streams: both parameter sets meet the same instants.
+    When events come, what they are like, and their kinds are drawn from streams of their own: both parameter sets meet the same
+    instants.
     """
     when = Random(f"service_load/{load.name}/{seed}/when")
     what = Random(f"service_load/{load.name}/{seed}/what")
-    return tuple(_event(step, load, parameters, what) for step in _steps(load, when))
+    kind = Random(f"service_load/{load.name}/{seed}/kind")
+    return tuple(_event(step, load, parameters, what, kind) for step in _steps(load, when))
 
 
 def _steps(load: Load, random: Random) -> list[int]:
@@ -101,7 +106,7 @@ def _steps(load: Load, random: Random) -> list[int]:
     return sorted(steps)
 
 
-def _event(step: int, load: Load, parameters: Parameters, random: Random) -> Arrival:
+def _event(step: int, load: Load, parameters: Parameters, random: Random, kinds: Random) -> Arrival:
     critical = random.random() < load.critical
     relevant = random.random() < parameters.task_relevant
     chance = load.delayed
@@ -112,8 +117,11 @@ def _event(step: int, load: Load, parameters: Parameters, random: Random) -> Arr
     evidence = random.randint(*parameters.evidence_steps)
     deadline = random.randint(*parameters.deadline_steps)
     routine, urgent = random.randint(*parameters.routine_priority), random.randint(*parameters.critical_priority)
+    least, most = parameters.work
+    about = min(most - 1, max(least, work - kinds.randrange(2)))
     return Arrival(
         step=step,
+        kind=f"{'awaited' if delayed else 'ready'}_{about}_{about + 1}",
         critical=critical,
         task_relevant=relevant,
         work=work,
