@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from wakeful.learning.calibration import CANDIDATES, NEVER, POOLED, RESULT, Marks, choose_thresholds, mark, temperature
-from wakeful.learning.network import Material, softmax
+from wakeful.learning.material import Material
+from wakeful.learning.network import softmax
 
 
 def marks(confidence: np.ndarray, wrong: np.ndarray, chosen: np.ndarray | None = None) -> Marks:
@@ -54,6 +55,13 @@ def test_where_no_candidate_will_do_nothing_is_automatic() -> None:
     assert choose_thresholds(marks(confidence, np.arange(100) % 2 == 0), ("a",), 0.1) == {POOLED: NEVER, RESULT: 0.9, "a": NEVER}
 
 
+def test_what_was_got_wrong_anyway_is_no_reason_to_deliberate() -> None:
+    confidence, wrong = np.linspace(0.5, 0.9, 100), np.arange(100) % 2 == 0
+    assert choose_thresholds(marks(confidence, wrong), ("a",), 0.1)[POOLED] == NEVER
+    assert choose_thresholds(marks(confidence, wrong), ("a",), 0.1, right=~wrong)[POOLED] == 0.5
+    assert choose_thresholds(marks(confidence, wrong), ("a",), 0.1, right=np.ones(100, dtype=bool))[POOLED] == NEVER
+
+
 def test_a_reliable_treatment_beside_an_unreliable_one_gets_its_own_threshold() -> None:
     chosen = np.repeat([0, 1, 2], [100, 100, 5])
     wrong = (chosen == 1) & (np.arange(205) % 2 == 0)
@@ -76,6 +84,7 @@ def test_a_row_is_wrong_in_its_treatment_or_in_its_result() -> None:
         result=np.array([1, 0, 0, -1]),
         refuted=np.array([-1, -1, 0, -1]),
         weight=np.ones(4),
+        result_weight=np.ones(4),
     )
     found = mark(p, q, rows)
     assert found.treatment_wrong.tolist() == [False, True, True, False]

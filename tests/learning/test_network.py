@@ -8,11 +8,10 @@ import msgspec
 import numpy as np
 import pytest
 
+from wakeful.learning.material import Floats, Material
 from wakeful.learning.network import (
     AdamW,
     Fit,
-    Floats,
-    Material,
     Shape,
     gradient,
     logits,
@@ -27,6 +26,11 @@ from wakeful.learning.network import (
 SHAPE = Shape(inputs=7, hidden=5, treatments=3, labels=2)
 
 
+def trained(theta: Floats, rows: Material, fit: Fit) -> Floats:
+    *_, last = train(theta, SHAPE, rows, fit)
+    return last
+
+
 def material(rows: int = 24, seed: int = 0) -> Material:
     """Every kind of row: labelled, refuted, neither; decided and undecided; of several weights."""
     random = np.random.default_rng(seed)
@@ -37,6 +41,7 @@ def material(rows: int = 24, seed: int = 0) -> Material:
         result=random.integers(-1, 2, rows),
         refuted=np.where(treatment < 0, random.integers(-1, 3, rows), -1),
         weight=random.choice([0.5, 1.0, 2.3], rows),
+        result_weight=random.choice([0.1, 1.0], rows),
     )
 
 
@@ -64,7 +69,14 @@ def test_the_gradient_is_that_of_the_loss() -> None:
 
 def test_rows_of_which_nothing_is_known_teach_nothing() -> None:
     rows = material()
-    blank = Material(rows.x, np.full(24, -1), np.full(24, -1), np.full(24, -1), rows.weight)
+    blank = Material(
+        x=rows.x,
+        treatment=np.full(24, -1),
+        result=np.full(24, -1),
+        refuted=np.full(24, -1),
+        weight=rows.weight,
+        result_weight=rows.weight,
+    )
     assert not gradient(start(SHAPE, 0), SHAPE, blank, Fit(epochs=1, seed=0), None).any()
 
 
@@ -72,19 +84,19 @@ def test_a_refuted_treatment_becomes_less_probable_and_the_others_keep_their_ord
     random = np.random.default_rng(0)
     x = random.normal(size=(32, SHAPE.inputs))
     none = np.full(32, -1)
-    rows = Material(x, none, none, np.full(32, 1), np.ones(32))
+    rows = Material(x=x, treatment=none, result=none, refuted=np.full(32, 1), weight=np.ones(32), result_weight=np.ones(32))
     theta = start(SHAPE, 0)
     before = softmax(logits(theta, SHAPE, x)[0])[:, 1].mean()
-    after = softmax(logits(train(theta, SHAPE, rows, Fit(epochs=300, seed=0)), SHAPE, x)[0])[:, 1].mean()
+    after = softmax(logits(trained(theta, rows, Fit(epochs=300, seed=0)), SHAPE, x)[0])[:, 1].mean()
     assert after < 0.1 < before
 
 
 def test_training_is_repeatable_and_leaves_its_start_alone() -> None:
     theta = start(SHAPE, 5)
     kept = theta.copy()
-    one = train(theta, SHAPE, material(), Fit(epochs=7, seed=11))
-    assert (one == train(theta, SHAPE, material(), Fit(epochs=7, seed=11))).all()
-    assert (one != train(theta, SHAPE, material(), Fit(epochs=7, seed=12))).any()
+    one = trained(theta, material(), Fit(epochs=7, seed=11))
+    assert (one == trained(theta, material(), Fit(epochs=7, seed=11))).all()
+    assert (one != trained(theta, material(), Fit(epochs=7, seed=12))).any()
     assert (theta == kept).all()
 
 
@@ -122,7 +134,8 @@ def test_the_trainer_agrees_with_pytorch(dropout: float) -> None:
             hidden = torch.relu(torch.tensor(batch.x) @ p["first"] + p["first_bias"]) * keep[:, :h]
             hidden = torch.relu(hidden @ p["second"] + p["second_bias"]) * keep[:, h:]
             out = hidden @ p["heads"] + p["heads_bias"]
-            weight, total = torch.tensor(batch.weight), torch.tensor(0.0, dtype=torch.float64)
+            weight, recent = torch.tensor(batch.weight), torch.tensor(batch.result_weight)
+            total = torch.tensor(0.0, dtype=torch.float64)
             logs = torch.log_softmax(out[:, :k], dim=1)
             known, wrong = batch.treatment >= 0, (batch.treatment < 0) & (batch.refuted >= 0)
             told = torch.nn.functional.nll_loss(logs[known], torch.tensor(batch.treatment[known]), reduction="none")
@@ -131,11 +144,11 @@ def test_the_trainer_agrees_with_pytorch(dropout: float) -> None:
             total = total + fit.treatment_loss * parts_m.sum() / weight[known | wrong].sum()
             done = batch.result >= 0
             each = torch.nn.functional.cross_entropy(out[done][:, k:], torch.tensor(batch.result[done]), reduction="none")
-            total = total + fit.result_loss * (each * weight[done]).sum() / weight[done].sum()
+            total = total + fit.result_loss * (each * recent[done]).sum() / recent[done].sum()
             optimiser.zero_grad()
             total.backward()
             optimiser.step()
-    ours = views(train(theta, SHAPE, rows, fit), SHAPE)
+    ours = views(trained(theta, rows, fit), SHAPE)
     for name in names:
         np.testing.assert_allclose(getattr(ours, name), p[name].detach().numpy(), rtol=1e-8, atol=1e-10)
 

@@ -115,7 +115,7 @@ def test_bytes_that_are_no_model_are_refused(at: int, noise: bytes) -> None:
 
 def test_a_treatment_registered_later_is_added_and_is_not_chosen_before_it_is_learned() -> None:
     wider = (*TREATMENTS[:1], "dreaming", *TREATMENTS[1:])
-    old = job(rows=200, training=2, base=FIRST, base_version=1, epochs=1)
+    old = job(rows=200, training=2, base=FIRST, base_version=1, epochs=40)
     moved = np.asarray(old.treatment) + (np.asarray(old.treatment) > 0)
     card, weights = LEARNER.train(msgspec.structs.replace(old, treatments=wider, treatment=moved))
     assert card.base == 1

@@ -56,12 +56,16 @@ class Mark(Fact, frozen=True):
 
 
 class Act(Fact, frozen=True):
-    """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen``."""
+    """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen``.
+
+    ``id`` makes it idempotent: the same id fed twice acts once. An act without one is a new act each time.
+    """
 
     who: str
     act: str
     process: int
     why: str
+    id: str = ""
 
 
 Input: TypeAlias = Begin | End | Mark | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
@@ -96,7 +100,8 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
 
     Shapes: features (n, d) float64; treatment (n,) int, -1 where the right treatment is not known; result (n,) int,
     -1 where undecided; refuted (n,) int, the index of a treatment known to be wrong or -1; weight (n,) float64.
-    ``held_back`` rows (the last of each array, by mask) are for champion/challenger and calibration only.
+    Rows stand in the order in which they were gained. ``held_back`` rows (by mask) are for champion/challenger and
+    calibration only. ``right`` (n,) bool says whether what was concluded at the time came true, where that is known.
     """
 
     training: int
@@ -113,6 +118,7 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
     refuted: object
     weight: object
     held_back: object
+    right: object = None
 
 
 class Requests(msgspec.Struct, frozen=True, kw_only=True):
@@ -125,3 +131,13 @@ class Requests(msgspec.Struct, frozen=True, kw_only=True):
     trainings: tuple[Training, ...] = ()
     wake_ns: int | None = None
     """When the kernel wants to be fed again, inputs or not; None: only when something comes."""
+
+    def then(self, later: Requests) -> Requests:
+        """These and the next feed's as one, to be committed together."""
+        return Requests(
+            lines=self.lines + later.lines,
+            blobs={**self.blobs, **later.blobs},
+            calls=self.calls + later.calls,
+            trainings=self.trainings + later.trainings,
+            wake_ns=later.wake_ns,
+        )

@@ -7,9 +7,9 @@ from typing import Final
 
 import msgspec
 import numpy as np
-import numpy.typing as npt
 
-from wakeful.learning.network import Floats, Material, softmax
+from wakeful.learning.material import Flags, Floats, Ints, Material
+from wakeful.learning.network import softmax
 
 CANDIDATES: Final = tuple(round(0.45 + 0.05 * step, 2) for step in range(10))
 """The paper's candidate thresholds (Section IV-A)."""
@@ -29,20 +29,20 @@ class Marks(msgspec.Struct, frozen=True):
     ``judged`` are rows that anything is known of: a right treatment, a wrong one, or an outcome.
     """
 
-    chosen: npt.NDArray[np.int64]
+    chosen: Ints
     confidence: Floats
     result_confidence: Floats
-    treatment_wrong: npt.NDArray[np.bool_]
-    result_wrong: npt.NDArray[np.bool_]
-    judged: npt.NDArray[np.bool_]
+    treatment_wrong: Flags
+    result_wrong: Flags
+    judged: Flags
 
     @property
-    def wrong(self) -> npt.NDArray[np.bool_]:
+    def wrong(self) -> Flags:
         """Wrong in the result, or in the treatment where it is labelled."""
         return self.treatment_wrong | self.result_wrong
 
 
-def temperature(z: Floats, label: npt.NDArray[np.int64], weight: Floats) -> float:
+def temperature(z: Floats, label: Ints, weight: Floats) -> float:
     """The temperature that minimises the weighted cross-entropy of softmax(z / T) over rows with a label; 1 below 8 rows.
 
     Golden-section search on ln T within [0.25, 8]; the loss has one minimum there.
@@ -82,22 +82,47 @@ def mark(treatments: Floats, labels: Floats, rows: Material) -> Marks:
     )
 
 
-def choose_thresholds(marks: Marks, treatments: tuple[str, ...], target_error: float) -> dict[str, float]:
+def choose_thresholds(
+    marks: Marks, treatments: tuple[str, ...], target_error: float, right: Flags | None = None
+) -> dict[str, float]:
     """The thresholds of both heads' confidence, chosen on held-back rows among the paper's candidates.
 
-    The pair that lets most rows pass while the share of wrong ones among these, estimated as (wrong + 1) / (rows + 2), is at most
-    ``target_error``; of equal pairs the stricter. A treatment that was chosen for at least 20 rows gets a threshold of its own,
-    by the same rule and beside the same threshold of the result. Empty below 8 judged rows: too few to choose by.
+    Of the pairs that may do, the one that lets most rows pass, and of equal ones the stricter. A pair may do if of the rows that
+    pass the share of wrong ones, estimated as (wrong + 1) / (rows + 2), is at most ``target_error``; or if it is at most
+    what was wrong of what was concluded on these very rows at the time: what deliberation got wrong as well is no reason to
+    deliberate. A treatment that was chosen for at least 20 rows gets a threshold of its own, by the same rule and beside
+    the same threshold of the result.
+
+    Args:
+        marks: how the held-back rows came out.
+        treatments: the names that ``marks.chosen`` counts.
+        target_error: the share of automatic decisions that may be wrong.
+        right: whether what was concluded at the time was right, (n,); None where that is not known.
+
+    Returns:
+        Thresholds by treatment, ``*`` and ``@result``; empty below 8 judged rows: too few to choose by.
     """
-    confidence, result = marks.confidence[marks.judged], marks.result_confidence[marks.judged]
-    chosen, wrong = marks.chosen[marks.judged], marks.wrong[marks.judged]
-    if len(wrong) < _FEW:
+    judged = marks.judged
+    if int(judged.sum()) < _FEW:
         return {}
+    confidence, result, chosen = marks.confidence[judged], marks.result_confidence[judged], marks.chosen[judged]
+    wrong = marks.wrong[judged]
+    was_wrong = None if right is None else ~right[judged]
+
+    def may_do(passing: Flags) -> bool:
+        rows = int(passing.sum())
+        if rows == 0:
+            return False
+        errors = int(wrong[passing].sum())
+        if (errors + 1) / (rows + 2) <= target_error:
+            return True
+        return was_wrong is not None and rows >= _FEW and errors <= int(was_wrong[passing].sum())
+
     best = (0, NEVER, NEVER)
     for needed_result in CANDIDATES:
         for needed in CANDIDATES:
             passing = (confidence >= needed) & (result >= needed_result)
-            if _within(passing, wrong, target_error):
+            if may_do(passing):
                 best = max(best, (int(passing.sum()), needed_result, needed))
     passed, needed_result, pooled = best
     if not passed:
@@ -106,19 +131,8 @@ def choose_thresholds(marks: Marks, treatments: tuple[str, ...], target_error: f
     thresholds = {POOLED: pooled, RESULT: needed_result}
     for index, name in enumerate(treatments):
         own = chosen == index
-        if int(own.sum()) < _FEW_OF_ONE:
-            continue
-        thresholds[name] = max(
-            (
-                (int(passing.sum()), needed)
-                for needed in CANDIDATES
-                if _within(passing := own & (confidence >= needed) & (result >= needed_result), wrong, target_error)
-            ),
-            default=(0, NEVER),
-        )[1]
+        if int(own.sum()) >= _FEW_OF_ONE:
+            passing_at = {needed: own & (confidence >= needed) & (result >= needed_result) for needed in CANDIDATES}
+            doing = [(int(rows.sum()), needed) for needed, rows in passing_at.items() if may_do(rows)]
+            thresholds[name] = max(doing, default=(0, NEVER))[1]
     return thresholds
-
-
-def _within(passing: npt.NDArray[np.bool_], wrong: npt.NDArray[np.bool_], target_error: float) -> bool:
-    rows = int(passing.sum())
-    return rows > 0 and (int(wrong[passing].sum()) + 1) / (rows + 2) <= target_error

@@ -7,14 +7,13 @@ whatever the number of threads.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 import msgspec
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
+from wakeful.learning.material import Floats, Material
 
 ROWS: Final = 32
 _TINY = 1e-6
@@ -44,20 +43,6 @@ class Views(msgspec.Struct, frozen=True):
     second_bias: Floats
     heads: Floats
     heads_bias: Floats
-
-
-class Material(msgspec.Struct, frozen=True):
-    """Rows to learn from: x (n, d), treatment (n,), result (n,) and refuted (n,) as indices or -1, weight (n,)."""
-
-    x: Floats
-    treatment: Ints
-    result: Ints
-    refuted: Ints
-    weight: Floats
-
-    def rows(self, chosen: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> Material:
-        """The chosen rows, in that order."""
-        return Material(self.x[chosen], self.treatment[chosen], self.result[chosen], self.refuted[chosen], self.weight[chosen])
 
 
 class Fit(msgspec.Struct, frozen=True, kw_only=True):
@@ -127,7 +112,7 @@ def result_losses(p: Floats, material: Material) -> tuple[Floats, Floats]:
     rows = np.arange(len(p))
     decided = material.result >= 0
     loss = -np.log(np.maximum(p[rows, np.maximum(material.result, 0)], 1e-300))
-    return loss, np.where(decided, material.weight, 0.0)
+    return loss, np.where(decided, material.result_weight, 0.0)
 
 
 def gradient(theta: Floats, shape: Shape, batch: Material, fit: Fit, keep: tuple[Floats, Floats] | None) -> Floats:
@@ -160,8 +145,8 @@ def gradient(theta: Floats, shape: Shape, batch: Material, fit: Fit, keep: tuple
     decided = batch.result >= 0
     by_logit[:, k:] = softmax(out[:, k:])
     by_logit[rows, k + np.maximum(batch.result, 0)] -= 1.0
-    total = batch.weight[decided].sum()
-    share = fit.result_loss / total * np.where(decided, batch.weight, 0.0) if total > 0.0 else np.zeros(n)
+    total = batch.result_weight[decided].sum()
+    share = fit.result_loss / total * np.where(decided, batch.result_weight, 0.0) if total > 0.0 else np.zeros(n)
     by_logit[:, k:] *= share[:, None]
 
     slope = np.empty_like(theta)
@@ -204,8 +189,11 @@ class AdamW:
         theta -= self._rate / (1.0 - 0.9**self._steps) * self._mean / size
 
 
-def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Floats:
-    """θ after ``fit.epochs`` passes over the material in seeded order; the given θ is not changed."""
+def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Iterator[Floats]:
+    """Yields θ after each of ``fit.epochs`` passes over the material in seeded order.
+
+    It is one array that goes on changing: copy what is to be kept. The given θ is not changed.
+    """
     theta = theta.copy()
     optimiser = AdamW(shape.size, fit.learning_rate, fit.weight_decay)
     random = np.random.default_rng((fit.seed, 2))
@@ -217,4 +205,4 @@ def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Floats:
             rows = order[begin : begin + fit.batch]
             keep = None if masks is None else (masks[begin : begin + fit.batch, :h], masks[begin : begin + fit.batch, h:])
             optimiser.step(theta, gradient(theta, shape, material.rows(rows), fit, keep))
-    return theta
+        yield theta

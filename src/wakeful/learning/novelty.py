@@ -7,9 +7,8 @@ from bisect import bisect_left
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from wakeful.learning.material import Floats
 
 NEAR: Final = 0.5
 """Distances below this (in standardised units) are never told apart: a world of a few repeated events would otherwise call

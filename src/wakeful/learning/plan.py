@@ -169,6 +169,7 @@ class Learning:
             refuted=refuted(rows),
             weight=np.array([row.weight for row in rows], dtype=np.float64),
             held_back=np.array([row.held_back for row in rows], dtype=np.bool_),
+            right=np.array([row.right for row in rows], dtype=np.bool_),
         )
 
     def _gain(self, experience: Experience, event: Event) -> None:

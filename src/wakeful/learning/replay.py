@@ -32,6 +32,11 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     held_back: bool
 
     @property
+    def right(self) -> bool:
+        """Whether what was concluded at the time was right: the result, and the treatment where the right one is known."""
+        return not self.contradicted and self.label in (-1, self.applied)
+
+    @property
     def stratum(self) -> tuple[int, int]:
         """What the row is an instance of: the treatment it speaks of, and the outcome."""
         return (self.label if self.label >= 0 else self.applied, self.result)

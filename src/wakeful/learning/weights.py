@@ -5,7 +5,8 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from wakeful.learning.network import Floats, Shape
+from wakeful.learning.model import Model
+from wakeful.learning.network import Shape
 from wakeful.learning.novelty import Novelty
 
 FORMAT = 1
@@ -25,23 +26,6 @@ class Stored(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     temperatures: tuple[float, float]
     exemplars: bytes
     reference: bytes
-
-
-class Model(msgspec.Struct, frozen=True, kw_only=True):
-    """A model version in memory. ``mean`` and ``scale`` (d,) standardise features: (f − mean) / scale."""
-
-    treatments: tuple[str, ...]
-    labels: tuple[str, ...]
-    shape: Shape
-    theta: Floats
-    mean: Floats
-    scale: Floats
-    temperatures: tuple[float, float]
-    novelty: Novelty
-
-    def standardise(self, features: Floats) -> Floats:
-        """Rows (n, d) or one row (d,) as the network and novelty see them."""
-        return np.asarray((features - self.mean) / self.scale)
 
 
 def to_bytes(model: Model) -> bytes:
