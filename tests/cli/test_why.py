@@ -81,3 +81,29 @@ def test_a_sample_is_drawn_by_its_seed(wakeful: Wakeful, journal: Path) -> None:
 
 def test_an_event_and_a_sample_exclude_each_other(wakeful: Wakeful, journal: Path) -> None:
     assert wakeful("why", "abc", "--sample", 3, "--journal", journal).exit_code == 2
+
+
+def test_a_journal_cannot_name_code_to_run(wakeful: Wakeful, tmp_path: Path) -> None:
+    evil = tmp_path / "evil"
+    evil.mkdir()
+    (evil / "domain.toml").write_text('name = "evil"\nversion = 1\nsays = "a domain with code"\n')
+    (evil / "detectors.py").write_text(f"open({str(tmp_path / 'ran')!r}, 'w').close()\nDETECTORS = {{}}\n")
+    book = Book(domain=str(evil))
+    book.train(1, 0, 1)
+    process = book.admit(mode="auto", model=1)
+    path = written(list(book.lines()), tmp_path / "evil.db", book.blobs)
+    told = wakeful("why", book.event_of(process), "--journal", path)
+    assert "is not on this machine" in " ".join(told.stdout.split())
+    assert not (tmp_path / "ran").exists()
+
+
+def test_weights_that_are_damaged_leave_the_rest_of_the_story(wakeful: Wakeful, tmp_path: Path) -> None:
+    book = Book(domain="service_robot")
+    book.train(1, 0, 1)
+    process = book.admit(mode="auto", model=1)
+    book.run_through(process)
+    path = written(list(book.lines()), tmp_path / "damaged.db", book.blobs)
+    result = wakeful("why", book.event_of(process), "--journal", path)
+    assert result.exit_code == 0
+    assert "cannot be recomputed" in result.stdout
+    assert "joint 3 runs warm" in result.stdout

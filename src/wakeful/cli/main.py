@@ -17,6 +17,7 @@ from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
 from wakeful.cli.stats import stats_command
 from wakeful.cli.vocabulary import domains_command, treatments_command
+from wakeful.cli.web import web_command
 from wakeful.cli.why import why_command
 from wakeful.version import __version__
 
@@ -50,5 +51,6 @@ for command in (
     new_group,
     simulate_command,
     reproduce_command,
+    web_command,
 ):
     main.add_command(command)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wakeful.contracts.domain import DomainError
+from wakeful.contracts.journal import JournalError
 from wakeful.domains import load, names
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
@@ -38,7 +39,10 @@ def weighed(journal: SqliteJournal, read: History, event: Event, decision: Decis
     if spec.version != opened.domain_version:
         raise CannotRecompute(f"the domain {spec.name} has version {spec.version} now, it was {opened.domain_version}")
     encoder = Encoder(spec, spec.treatments or Registry().names())
-    predictor = TwoHeads().load(journal.blob(card.blob))
+    try:
+        predictor = TwoHeads().load(journal.blob(card.blob))
+    except (ValueError, JournalError) as error:
+        raise CannotRecompute(f"the weights of model version {card.version} are not there as they were: {error}") from error
     if predictor.typical.shape != (encoder.size,):
         raise CannotRecompute(f"the domain {spec.name} has other features now than model version {card.version} learned from")
     return contributions(encoder, predictor, event, decision.treatment)
