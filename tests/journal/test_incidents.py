@@ -9,7 +9,8 @@ from tests.journal.builder import Book
 from tests.journal.strategies import any_lines
 from tests.journal.test_audit import Pages
 from wakeful.facts.lines import Finished, Line
-from wakeful.journal.incidents import stats
+from wakeful.facts.time import NS_PER_S
+from wakeful.journal.incidents import _observed_ns, stats
 
 
 def _signs_before(incidents: int, lead_s: float) -> Book:
@@ -76,3 +77,12 @@ def test_a_recording_without_incidents_has_none() -> None:
 def test_statistics_never_raise_on_typed_lines(lines: list[Line]) -> None:
     told = stats(Pages(lines))
     assert all(0.0 <= heard.share <= 1.0 and 0.0 <= heard.by_chance <= 1.0 for heard in told.incidents)
+
+
+def test_a_stretch_in_which_nobody_recorded_is_not_observed_time() -> None:
+    minute = 60 * NS_PER_S
+    steady = [n * minute for n in range(60)]
+    later = [instant + 300 * minute for instant in steady]
+    assert _observed_ns(steady) == 59 * minute
+    assert _observed_ns([*steady, *later]) == 2 * 59 * minute
+    assert _observed_ns([0, 5 * 60 * minute, 11 * 60 * minute]) == 11 * 60 * minute  # rare, but always recorded

@@ -9,6 +9,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 from statistics import median
 
 from wakeful.facts.experience import Verdict
@@ -17,6 +18,7 @@ from wakeful.journal.history import History, history
 from wakeful.journal.readable import Readable, View
 
 DEFAULT_WITHIN_S = 60.0
+_UNRECORDED_S = 600.0
 
 
 class Heard(View, frozen=True):
@@ -87,10 +89,10 @@ def stats_of(read: History, within_s: float | None = None) -> Stats:
         for outcome in read.outcomes.values()
         if outcome.origin == "world" and outcome.label not in quiet
     )
-    ends = [*instants, *(at_ns for at_ns, _, _ in shown)]
-    start_ns, end_ns = (min(ends), max(ends)) if ends else (0, 0)
-    hours = to_s(end_ns - start_ns) / 3600
-    frame = (start_ns, end_ns, to_ns(window_s))
+    known = sorted([*instants, *(at_ns for at_ns, _, _ in shown)])
+    start_ns, observed_ns = (known[0] if known else 0), _observed_ns(known)
+    hours = to_s(observed_ns) / 3600
+    frame = (start_ns, observed_ns, to_ns(window_s))
     observed = observations_of(read)
     foretold = _foretold(read)
     kinds = Counter(event.kind for event in events)
@@ -114,7 +116,7 @@ def stats_of(read: History, within_s: float | None = None) -> Stats:
         observations=observed,
         events=len(events),
         observations_per_event=observed / len(events) if events else 0.0,
-        duration_s=to_s(end_ns - start_ns),
+        duration_s=to_s(observed_ns),
         events_per_hour=len(events) / hours if hours else 0.0,
         within_s=window_s,
         kinds=tuple(rows),
@@ -140,6 +142,20 @@ def observations_of(read: History) -> int:
     ):
         most[source] = max(most.get(source, 0), number)
     return sum(most.values())
+
+
+def _observed_ns(known: Sequence[int]) -> int:
+    """The time between the first and the last of these instants, without the stretches in which nobody was recording.
+
+    The journal knows when things happened, not when somebody looked: a stretch counts as unrecorded when it is longer than ten
+    minutes and than twenty times what nine in ten of them last. Counting it would flatter registration against chance.
+    """
+    stretches = [later - earlier for earlier, later in pairwise(known)]
+    if not stretches:
+        return 0
+    usual = sorted(stretches)[len(stretches) * 9 // 10]
+    longest = max(to_ns(_UNRECORDED_S), 20 * usual)
+    return sum(stretch for stretch in stretches if stretch <= longest)
 
 
 def _quiet_labels(read: History) -> set[str]:
@@ -176,7 +192,7 @@ def _foretold(read: History) -> set[str]:
 def _heard(
     label: str, events_ns: Sequence[int], incidents_ns: Sequence[int], frame: tuple[int, int, int], foretold: int = 0
 ) -> Heard:
-    start_ns, end_ns, window_ns = frame
+    start_ns, observed_ns, window_ns = frame
     first, last, chance = [], [], []
     for at_ns in incidents_ns:
         opened = bisect_left(events_ns, at_ns - window_ns)
@@ -184,7 +200,7 @@ def _heard(
         if closed > opened:
             first.append((at_ns - events_ns[opened]) / NS_PER_S)
             last.append((at_ns - events_ns[closed - 1]) / NS_PER_S)
-        reach = min(window_ns, at_ns - start_ns) / max(1, end_ns - start_ns)
+        reach = min(window_ns, at_ns - start_ns) / max(1, observed_ns)
         chance.append(1.0 - (1.0 - min(1.0, reach)) ** len(events_ns))
     share = len(first) / len(incidents_ns) if incidents_ns else 0.0
     by_chance = sum(chance) / len(chance) if chance else 0.0
