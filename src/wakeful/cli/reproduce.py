@@ -9,30 +9,35 @@ import click
 import msgspec
 
 from wakeful.cli.options import json_option, option, print_json
-from wakeful.cli.progress import Progress
+from wakeful.cli.progress import Progress as Bar
 from wakeful.cli.terminal import heading, paragraph, say, table
-from wakeful.experiments import exp2_processing
-from wakeful.experiments.exp2_figures import draw_exp2
-from wakeful.experiments.rows import Row, table_cells
+from wakeful.experiments import exp2_figures, exp2_processing, exp2_variants
+from wakeful.experiments.rows import Progress, Reproduced, Row, table_cells
+from wakeful.experiments.worlds.service_load import LOADS
 
 _COLUMNS = ("method", "workload", "metric", "paper", "ours", "z", "s.e.")
 
 
 class Experiment(msgspec.Struct, frozen=True):
-    """One experiment as the command knows it."""
+    """One experiment as the command knows it. ``runs_per_seed`` is for the progress bar alone."""
 
     seeds: tuple[int, ...]
     runs_per_seed: int
-    rows: Callable[[Sequence[int], Callable[[int, int], None]], list[Row]]
+    reproduce: Callable[[Sequence[int], Progress], Reproduced]
     draw: Callable[[list[Row], Path], list[Path]]
 
 
+_LOADS = 2 * len(LOADS)
+
 EXPERIMENTS: dict[str, Experiment] = {
     "exp2": Experiment(
-        exp2_processing.SEEDS,
-        exp2_processing.RUNS_PER_SEED,
-        lambda seeds, progress: exp2_processing.rows(seeds, progress=progress),
-        draw_exp2,
+        exp2_processing.SEEDS, _LOADS * len(exp2_processing.METHODS), exp2_processing.reproduce, exp2_figures.draw_completion
+    ),
+    "exp2-untold": Experiment(
+        exp2_processing.SEEDS, _LOADS * len(exp2_variants.UNTOLD), exp2_variants.reproduce_untold, exp2_figures.draw_completion
+    ),
+    "exp2-frontier": Experiment(
+        exp2_processing.SEEDS, exp2_variants.FRONTIER_RUNS, exp2_variants.reproduce_frontier, exp2_variants.draw_frontier
     ),
 }
 
@@ -50,16 +55,18 @@ def reproduce_command(experiment: str, count: int | None, first_seed: int | None
     """
     chosen = EXPERIMENTS[experiment]
     seeds = _seeds(chosen.seeds, count, first_seed)
-    progress = Progress(chosen.runs_per_seed * len(seeds))
+    bar = Bar(chosen.runs_per_seed * len(seeds))
     try:
-        rows = chosen.rows(seeds, progress.show)
+        found = chosen.reproduce(seeds, bar.show)
     finally:
-        progress.clear()
-    written = _write(experiment, rows, chosen, out) if out is not None else []
+        bar.clear()
+    written = _write(experiment, found.rows, chosen, out) if out is not None else []
     if as_json:
-        print_json(rows)
+        print_json(found.rows)
         return
-    _print(rows, seeds)
+    _print(found.rows, seeds)
+    for remark in found.remarks:
+        paragraph(remark, indent=0)
     for path in written:
         say(f"written: {path}")
 

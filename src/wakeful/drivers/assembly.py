@@ -10,6 +10,7 @@ from wakeful.facts.settings import MindSettings
 from wakeful.kernel import Kernel
 from wakeful.learning.two_heads import TwoHeads
 from wakeful.scheduling import SuspendResume
+from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.treatments.registry import Registry
 
 
@@ -32,14 +33,19 @@ def assemble(
 
     Raises:
         DomainError: there is no such domain, or it cannot be read.
+        ValueError: the settings' ``primary_share`` is no share.
     """
     found = load(domain) if isinstance(domain, str) else domain
     trains = learner if learner is not None else TwoHeads()
+    thinks = settings if settings is not None else MindSettings()
+    shares = policy if policy is not None else SuspendResume()
+    if thinks.primary_share:
+        shares = PrimaryShare(shares, thinks.primary_share, thinks.primary_quantum_s)
     kernel = Kernel(
         found,
         registry if registry is not None else Registry(installed=None),
         trains,
-        policy if policy is not None else SuspendResume(),
-        settings if settings is not None else MindSettings(),
+        shares,
+        thinks,
     )
     return kernel, trains

@@ -11,7 +11,7 @@ _LOADS = ("low", "medium", "high", "bursty_delayed")
 _NAMES = ("Low", "Medium", "High", "Bursty-delayed")
 
 
-def draw_exp2(rows: list[Row], out: Path) -> list[Path]:
+def draw_completion(rows: list[Row], out: Path) -> list[Path]:
     """Draw completion by workload, one line per method, with the paper's figures as crosses; returns the files written.
 
     Raises:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from statistics import fmean, stdev
@@ -48,6 +48,17 @@ class Row(msgspec.Struct, frozen=True):
     def standard_errors(self) -> float | None:
         """The stricter distance: in standard errors of the paper's ten-seed mean; agreement is at most two."""
         return None if self.z is None else self.z * math.sqrt(10)
+
+
+Progress = Callable[[int, int], None]
+"""Told after each run how many are done, and how many events they had in all."""
+
+
+class Reproduced(msgspec.Struct, frozen=True):
+    """An experiment's rows, and sentences on what they show."""
+
+    rows: list[Row]
+    remarks: list[str] = []
 
 
 @cache

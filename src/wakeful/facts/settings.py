@@ -14,7 +14,8 @@ class MindSettings(Fact, frozen=True):
     ``keep_evidence_s``: for how long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so
     many processes are reopened by one contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at
     once, the others queue by priority (0: no limit). ``keep_events``: completed events kept in memory for late outcomes and
-    reopening. ``nearest``: how many validated experiences a decision names as what it rests on.
+    reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the share
+    of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
     """
 
     slots: int = 1
@@ -26,3 +27,5 @@ class MindSettings(Fact, frozen=True):
     reopen_limit: int = 8
     keep_events: int = 50_000
     nearest: int = 3
+    primary_share: float = 0.0
+    primary_quantum_s: float = 0.1
