@@ -24,7 +24,6 @@ from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
 from wakeful.facts.lines import (
-    Acted,
     Admitted,
     AnyRecord,
     Concluded,
@@ -90,6 +89,7 @@ class Kernel:
         spec = domain.spec
         options = spec.treatments or registry.names()
         self._now_ns = 0
+        self._left: int | None = None
         self._position = 0
         self._sources: dict[str, SourceState] = {}
         self._registrars: dict[str, SpecRegistrar] = {}
@@ -132,7 +132,7 @@ class Kernel:
         """What is known of a source: where to go on, or that it was finished."""
         return self._sources.get(name)
 
-    def feed(self, inputs: Iterable[Input], now_ns: int) -> Requests:
+    def feed(self, inputs: Iterable[Input], now_ns: int, steps: int | None = None) -> Requests:
         """Take inputs at ``now_ns`` and say what is to be done.
 
         What falls due up to ``now_ns`` (steps, limits, windows) is done first, in order of (time, rank, sequence number).
@@ -140,10 +140,13 @@ class Kernel:
         Args:
             inputs: in the order of their arrival.
             now_ns: kernel time; an earlier one than before counts as that.
+            steps: do at most so many of the steps and limits that are due, so that a live driver hears of what comes between
+                two awaits of a treatment; the others stay due. None: all of them.
 
         Returns:
             Requests: to be committed as a whole before anything else of it is acted on.
         """
+        self._left = steps
         self._until(now_ns)
         self._now_ns = max(self._now_ns, now_ns)
         for each in inputs:
@@ -176,7 +179,7 @@ class Kernel:
             case End():
                 self._end(item)
             case Act():
-                self._act(item)
+                self._scheduler.act(item)
 
     def _encounter(self, observation: Observation) -> None:
         """Encounter and register: e = D(o, c) (Eq. 1)."""
@@ -285,7 +288,7 @@ class Kernel:
         self._selector.use(card, weights)
         self._weights = weights
 
-    # --- sources and operators ---
+    # --- sources ---
 
     def _begin(self, begin: Begin) -> None:
         known = self._sources.get(begin.source)
@@ -319,10 +322,6 @@ class Kernel:
         self.write(Finished(source=end.source, observations=source.observations))
         self._judge(self._validation.break_off(self._now_ns, end.source))
 
-    def _act(self, act: Act) -> None:
-        self.write(Acted(who=act.who, act=act.act, process=act.process, why=act.why))
-        self._scheduler.act(act)
-
     # --- time ---
 
     def _until(self, now_ns: int) -> None:
@@ -335,7 +334,8 @@ class Kernel:
                     break
                 self._now_ns = max(self._now_ns, closes_ns)
                 self._judge(self._validation.close(self._now_ns))
-            elif due_ns is not None and due_ns <= now_ns:
+            elif due_ns is not None and due_ns <= now_ns and self._left != 0:
+                self._left = None if self._left is None else self._left - 1
                 self._now_ns = max(self._now_ns, due_ns)
                 self._scheduler.run_due()
             else:

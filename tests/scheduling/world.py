@@ -60,8 +60,8 @@ class Repertoire:
 class World:
     """The host. ``lines`` is its journal; ``crash`` forgets everything else."""
 
-    def __init__(self, repertoire: Repertoire, slots: int = 1) -> None:
-        self.settings = MindSettings(step_s=1.0, slots=slots)
+    def __init__(self, repertoire: Repertoire, slots: int = 1, reasoner_slots: int = 0) -> None:
+        self.settings = MindSettings(step_s=1.0, slots=slots, reasoner_slots=reasoner_slots)
         self.repertoire = repertoire
         self.lines: list[Line] = []
         self.calls: list[Call] = []

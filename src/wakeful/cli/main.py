@@ -7,11 +7,13 @@ import os
 import click
 
 from wakeful.cli.audit import audit_command
+from wakeful.cli.debt import debt_command
 from wakeful.cli.export import export_command
 from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
 from wakeful.cli.mistakes import OneLine
 from wakeful.cli.new import new_group
+from wakeful.cli.operate import cancel_command, resume_command, suspend_command
 from wakeful.cli.reproduce import reproduce_command
 from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
@@ -40,6 +42,10 @@ for command in (
     status_command,
     events_command,
     processes_command,
+    suspend_command,
+    resume_command,
+    cancel_command,
+    debt_command,
     why_command,
     audit_command,
     stats_command,

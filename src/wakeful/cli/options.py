@@ -48,14 +48,19 @@ def reading(path: Path | None) -> Iterator[SqliteJournal]:
         Mistake: none was named and there is none in the state directory.
         JournalError: what was named is no journal that can be read.
     """
-    if path is None:
-        path = _latest()
-        click.echo(f"journal: {path}", err=True)
-    journal = open_journal(path, read_only=True)
+    journal = open_journal(named_journal(path), read_only=True)
     try:
         yield journal
     finally:
         journal.close()
+
+
+def named_journal(path: Path | None) -> Path:
+    """The journal that was named, or the one that was written last, which is then said on standard error."""
+    if path is None:
+        path = _latest()
+        click.echo(f"journal: {path}", err=True)
+    return path
 
 
 def _latest() -> Path:

@@ -26,6 +26,7 @@ from wakeful.facts.asking import Kind, Reply
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Answered, Opened
 from wakeful.facts.settings import MindSettings
+from wakeful.journal.acts import ActSpool
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 from wakeful.journal.views import Summary, View, summary
 from wakeful.treatments.registry import Registry
@@ -146,7 +147,7 @@ def _drive(
     """Read the source to its end, to the limit of events, or until a stop is asked for. Returns the items that were done."""
     kernel, learner = assemble(source.domain, settings)
     pace = (lambda seconds: stop.pause(seconds / speed)) if speed else None
-    driver = SimulatedDriver(kernel, journal, reasoner, learner, pace)
+    driver = SimulatedDriver(kernel, journal, reasoner, learner, pace, ActSpool(journal.path))
     progress = Progress(source.total)
     received = kernel.counts.received
     items = 0

@@ -24,12 +24,16 @@ from wakeful.facts.lines import Admitted, Concluded, Decided, Duplicate, Line, R
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.values import Field
 from wakeful.journal import MemoryJournal, open_journal
+from wakeful.journal.acts import ActSpool
 from wakeful.treatments.registry import Registry
 
 if TYPE_CHECKING:
     from types import TracebackType
 
 _SOURCE = "program"
+
+#: Calls of the reasoner that a live mind has under way at once, unless told otherwise.
+REASONER_SLOTS = 4
 
 
 class Mind:
@@ -60,7 +64,8 @@ class Mind:
         kernel, learner = assemble(domain, MindSettings(step_s=0.0, seed=seed), registry=registry)
         self.journal: Journal = MemoryJournal() if journal is None else open_journal(Path(journal))
         thinks = reasoner if reasoner is not None else GuidelineReasoner(kernel.domain.spec)
-        self._driver = SimulatedDriver(kernel, self.journal, thinks, learner)
+        acts = None if journal is None else ActSpool(Path(journal))
+        self._driver = SimulatedDriver(kernel, self.journal, thinks, learner, acts=acts)
         self._clock_ns = clock_ns
         self._position = self._driver.begin(_SOURCE, uuid4().hex)
         self._concluded: dict[str, Concluded] = {}
@@ -165,12 +170,20 @@ def open_live(
     reasoner: Reasoner | None = None,
     registry: Registry | None = None,
     seed: int = 0,
+    slots: int = 1,
+    reasoner_slots: int = REASONER_SLOTS,
 ) -> LiveDriver:
     """A mind that runs by itself on asyncio: ``async with wakeful.open_live("service_robot", "mind.db") as mind``.
 
-    The arguments are those of Mind.
+    The arguments are those of Mind, and:
+
+    Args:
+        slots: processes that may think at once, by turns between their awaits.
+        reasoner_slots: calls of the reasoner that may be under way at once; the others queue, criticals first. 0: no limit.
     """
-    kernel, learner = assemble(domain, MindSettings(step_s=0.0, seed=seed), registry=registry)
+    settings = MindSettings(step_s=0.0, seed=seed, slots=slots, reasoner_slots=reasoner_slots)
+    kernel, learner = assemble(domain, settings, registry=registry)
     kept: Journal = MemoryJournal() if journal is None else open_journal(Path(journal))
     thinks = reasoner if reasoner is not None else GuidelineReasoner(kernel.domain.spec)
-    return LiveDriver(kernel, kept, thinks, learner)
+    acts = None if journal is None else ActSpool(Path(journal))
+    return LiveDriver(kernel, kept, thinks, learner, acts=acts, closes_journal=True)

@@ -20,7 +20,9 @@ from wakeful.drivers.trainer import Trainer
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
-from wakeful.facts.lines import Admitted, Concluded, Duplicate, Line, Refused
+from wakeful.facts.lines import Admitted, Answered, Concluded, Duplicate, Line, Moved, Refused
+from wakeful.facts.processes import State
+from wakeful.journal.acts import ActSpool, Handed
 from wakeful.kernel import Kernel
 
 if TYPE_CHECKING:
@@ -31,6 +33,12 @@ GROUP_S = 0.005
 
 #: How often finished trainings are looked for while one runs.
 _TRAINING_POLL_S = 0.05
+
+#: How often operators' acts are looked for in the folder beside the journal.
+ACTS_POLL_S = 0.2
+
+#: After so many steps the driver looks whether something came: a treatment is preempted at its next await.
+STEPS_PER_TURN = 1
 
 
 class Receipt(msgspec.Struct, frozen=True):
@@ -51,6 +59,8 @@ class LiveDriver:
         learner: trains off the kernel's thread.
         source: the name under which events are offered; its positions go on over restarts.
         clock_ns: the time of day, read once: from there on kernel time follows the monotonic clock and never runs back.
+        acts: where operators at another terminal hand in their acts; None: nowhere.
+        closes_journal: the journal is let go of on exit, so that another may write it.
     """
 
     def __init__(
@@ -61,6 +71,8 @@ class LiveDriver:
         learner: Learner,
         source: str = "live",
         clock_ns: Callable[[], int] = time.time_ns,
+        acts: ActSpool | None = None,
+        closes_journal: bool = False,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
@@ -68,8 +80,11 @@ class LiveDriver:
         self._trainer = Trainer(learner)
         self._source = source
         self._clock_ns = clock_ns
+        self._acts = acts
+        self._closes_journal = closes_journal
+        self._acts_due_s = 0.0
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
-        self._called: set[asyncio.Task[None]] = set()
+        self._called: dict[tuple[int, int], asyncio.Task[None]] = {}
         self._settled: dict[str, list[asyncio.Future[Concluded]]] = {}
         self._commits = ThreadPoolExecutor(max_workers=1, thread_name_prefix="wakeful-journal")
         self._position = -1
@@ -96,11 +111,14 @@ class LiveDriver:
         self._closing = True
         self._woken.set()
         await self._pump_task
-        for task in self._called:
+        under_way = list(self._called.values())
+        for task in under_way:
             task.cancel()  # a call without an answer is in the journal as asked, and is made again at the next start
-        await asyncio.gather(*self._called, return_exceptions=True)
+        await asyncio.gather(*under_way, return_exceptions=True)
         self._trainer.close()
         self._commits.shutdown()
+        if self._closes_journal:
+            self.journal.close()
 
     async def admit(self, draft: Draft) -> Receipt:
         """Offer an event; returns once what became of it is durable.
@@ -150,10 +168,12 @@ class LiveDriver:
             batch, self._inbox = self._inbox, []
             inputs = [each for each, _ in batch]
             inputs.extend(self._trainer.finished())
-            if self._closing and not inputs:
+            handed = self._handed()
+            inputs.extend(each.act for each in handed)
+            if self._closing and not inputs and not self._due():
                 break
             futures = {_place(each): future for each, future in batch if future is not None}
-            requests = self.kernel.feed(inputs, self._now_ns())
+            requests = await self._think(inputs)
             try:
                 await self._commit(requests)
             except JournalError as error:
@@ -161,14 +181,20 @@ class LiveDriver:
                 for future in futures.values():
                     future.set_exception(error)
                 return
+            if self._acts is not None:
+                self._acts.done(handed)
             self._answer(requests.lines, futures)
             await self._act(requests, committed=True)
 
     async def _wait(self) -> None:
         """Until something comes, something is due, or a training may have ended; then a moment for more of the same."""
-        if not self._inbox and not self._closing:
+        if not self._inbox and self._due():
+            await asyncio.sleep(0)  # a treatment is thinking: hear what came, and go on at its next await
+        elif not self._inbox and not self._closing:
             self._woken.clear()
             waits = [_TRAINING_POLL_S] if self._trainer.next_publication_ns() is not None else []
+            if self._acts is not None:
+                waits.append(ACTS_POLL_S)
             if self._wake_ns is not None:
                 waits.append(max(0.0, (self._wake_ns - self._now_ns()) / 1e9))
             try:
@@ -177,6 +203,28 @@ class LiveDriver:
                 return
         if self._inbox and not self._closing:
             await asyncio.sleep(GROUP_S)
+
+    async def _think(self, inputs: list[Input]) -> Requests:
+        """Feed, then let treatments think for as long as a group lasts, hearing what comes at each of their awaits."""
+        began_s = time.monotonic()
+        requests = self.kernel.feed(inputs, self._now_ns(), STEPS_PER_TURN)
+        self._wake_ns = requests.wake_ns
+        while self._due() and not self._inbox and time.monotonic() - began_s < GROUP_S:
+            await asyncio.sleep(0)
+            requests = requests.then(self.kernel.feed((), self._now_ns(), STEPS_PER_TURN))
+            self._wake_ns = requests.wake_ns
+        return requests
+
+    def _due(self) -> bool:
+        """Whether a step can be done at once."""
+        return self.kernel.runnable > 0 and self._wake_ns is not None and self._wake_ns <= self._now_ns()
+
+    def _handed(self) -> list[Handed]:
+        now_s = time.monotonic()
+        if self._acts is None or now_s < self._acts_due_s:
+            return []
+        self._acts_due_s = now_s + ACTS_POLL_S
+        return self._acts.waiting()
 
     async def _commit(self, requests: Requests) -> None:
         if requests.lines or requests.blobs:
@@ -193,6 +241,11 @@ class LiveDriver:
                 receipts[record.position] = Receipt("duplicate", record.event)
             elif isinstance(record, Refused):
                 receipts[record.position] = Receipt("refused", record.event, record.reason)
+            elif isinstance(record, Answered):
+                self._give_up(record.process, record.seq)
+            elif isinstance(record, Moved):
+                if record.after is State.COMPLETED:
+                    self._give_up(record.process)
             elif isinstance(record, Concluded):
                 for waiter in self._settled.pop(record.event, ()):
                     if not waiter.done():
@@ -207,10 +260,14 @@ class LiveDriver:
         self._wake_ns = requests.wake_ns
         for call in requests.calls:
             task = asyncio.create_task(self._call(call))
-            self._called.add(task)
-            task.add_done_callback(self._called.discard)
+            self._called[call.process, call.seq] = task
         for training in requests.trainings:
             self._trainer.start(training)
+
+    def _give_up(self, process: int, seq: int | None = None) -> None:
+        """Nobody waits for these calls any more: another may have their place."""
+        for place in [each for each in self._called if each[0] == process and seq in (None, each[1])]:
+            self._called.pop(place).cancel()
 
     async def _call(self, call: Call) -> None:
         left_s = max(0.0, (call.expires_ns - self._now_ns()) / 1e9)
@@ -219,6 +276,7 @@ class LiveDriver:
                 answer = await make(call, self._reasoner)
         except TimeoutError:
             answer = Answer(process=call.process, seq=call.seq, error="expired")
+        self._called.pop((call.process, call.seq), None)
         self._inbox.append((answer, None))
         self._woken.set()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import heapq
+import time
 from collections.abc import Callable, Iterable, Iterator
 
 import msgspec
@@ -20,6 +21,7 @@ from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
 from wakeful.facts.lines import Line
 from wakeful.facts.time import to_ns
+from wakeful.journal.acts import ActSpool
 from wakeful.kernel import Kernel
 
 #: Lines are committed in groups of about so many; calls and publications commit before they are acted on.
@@ -27,6 +29,9 @@ GROUP_LINES = 512
 
 #: And at least after so many items, so that an eventless stretch moves the source cursor too.
 GROUP_ITEMS = 1024
+
+#: How often, in seconds of the wall's clock, operators' acts are looked for in the folder beside the journal.
+ACTS_POLL_S = 0.2
 
 Pace = Callable[[float], None]
 
@@ -40,14 +45,25 @@ class SimulatedDriver:
         reasoner: answers the kernel's questions; in virtual time an answer takes its ``latency_s``.
         learner: trains off the kernel's thread; published at the instant that the training declared.
         pace: called with the seconds of source time since the last item, before each one (for ``--speed``).
+        acts: where operators at another terminal hand in their acts; None: nowhere.
     """
 
-    def __init__(self, kernel: Kernel, journal: Journal, reasoner: Reasoner, learner: Learner, pace: Pace | None = None) -> None:
+    def __init__(
+        self,
+        kernel: Kernel,
+        journal: Journal,
+        reasoner: Reasoner,
+        learner: Learner,
+        pace: Pace | None = None,
+        acts: ActSpool | None = None,
+    ) -> None:
         self.kernel = kernel
         self.journal = journal
         self._reasoner = reasoner
         self._trainer = Trainer(learner)
         self._pace = pace
+        self._acts = acts
+        self._acts_due_s = 0.0
         self._loop = asyncio.new_event_loop()
         self._answers: list[tuple[int, int, int, Answer]] = []
         self._lines: list[Line] = []
@@ -55,6 +71,7 @@ class SimulatedDriver:
         self._wake_ns: int | None = None
         self._take(kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal)))
         self._commit()
+        self._take_acts()
 
     def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]]) -> Iterator[int]:
         """Read a source to its end; yields the number of items done so far, after each.
@@ -87,11 +104,12 @@ class SimulatedDriver:
                     offset_ns = max(0, self.kernel.now_ns - at_ns) if at_ns is not None else self.kernel.now_ns
                     self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
                 if at_ns is not None:
-                    if self._pace is not None and source_ns is not None:
-                        self._pace(max(0, at_ns - source_ns) / 1e9)
+                    if source_ns is not None:
+                        self._keep_pace(max(0, at_ns - source_ns) / 1e9)
                     source_ns = at_ns
                     self._advance(max(self.kernel.now_ns, at_ns + offset_ns))
                 self._feed([_named(item, name, position), Mark(source=name, position=position)], self.kernel.now_ns)
+                self._take_acts()
                 pending += 1
                 if pending >= GROUP_ITEMS or len(self._lines) >= GROUP_LINES:
                     self._commit()
@@ -134,7 +152,9 @@ class SimulatedDriver:
     def _advance(self, until_ns: int) -> None:
         """Bring the kernel to ``until_ns``, stopping at every instant at which an answer or a publication is due."""
         while True:
-            due_ns = self._next_due_ns()
+            # The kernel's own instants too: a call that is made at one of them is answered from there on.
+            instants = [instant for instant in (self._next_due_ns(), self._wake_ns) if instant is not None]
+            due_ns = min(instants, default=None)
             if due_ns is None or due_ns > until_ns:
                 break
             self._feed(self._due(due_ns), due_ns)
@@ -163,6 +183,27 @@ class SimulatedDriver:
             due.append(heapq.heappop(self._answers)[3])
         due.extend(self._trainer.take(now_ns))
         return due
+
+    # --- operators ---
+
+    def _keep_pace(self, seconds: float) -> None:
+        """Wait as the source did, hearing operators meanwhile."""
+        while self._pace is not None and seconds > 0:
+            self._pace(min(seconds, ACTS_POLL_S))
+            seconds -= ACTS_POLL_S
+            self._take_acts()
+
+    def _take_acts(self) -> None:
+        """Do what operators handed in, now, and make it durable before it is taken out of their folder."""
+        now_s = time.monotonic()
+        if self._acts is None or now_s < self._acts_due_s:
+            return
+        self._acts_due_s = now_s + ACTS_POLL_S
+        handed = self._acts.waiting()
+        if handed:
+            self._feed([each.act for each in handed], self.kernel.now_ns)
+            self._commit()
+            self._acts.done(handed)
 
     # --- the kernel's requests ---
 

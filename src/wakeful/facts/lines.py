@@ -200,12 +200,14 @@ class Reopened(Record, frozen=True):
 
 
 class Acted(Record, frozen=True):
-    """An operator's act, with who and why."""
+    """An operator's act, with who and why. ``refused`` says why it changed nothing, where it did not."""
 
     who: str
     act: str
     process: int
     why: str
+    id: str = ""
+    refused: str = ""
 
 
 class Noted(Record, frozen=True):

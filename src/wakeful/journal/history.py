@@ -64,6 +64,7 @@ class ProcessPast(msgspec.Struct):
     verdicts: list[tuple[int, Judged]] = []
     end: Completion | None = None
     held_by: str = ""
+    held_why: str = ""
     notes: list[Noted] = []
 
     @property
@@ -209,8 +210,9 @@ class History(msgspec.Struct):
                 process.concluded, process.concluded_ns = record, line.at_ns
             case Judged():
                 process.verdicts.append((line.at_ns, record))
-            case Acted():
+            case Acted() if not record.refused and record.act in ("hold", "release"):
                 process.held_by = record.who if record.act == "hold" else ""
+                process.held_why = record.why if record.act == "hold" else ""
             case Noted():
                 process.notes.append(record)
 

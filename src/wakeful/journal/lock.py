@@ -9,11 +9,19 @@ from pathlib import Path
 from wakeful.contracts.journal import JournalError
 
 
+class JournalLocked(JournalError):
+    """Another process writes the journal; ``holder`` is its pid, or ``unknown``."""
+
+    def __init__(self, message: str, holder: str) -> None:
+        super().__init__(message)
+        self.holder = holder
+
+
 class FileLock:
     """Held until ``release`` or until the process ends, however it ends.
 
     Raises:
-        JournalError: another process holds it; the message names its pid.
+        JournalLocked: another process holds it; the message names its pid.
     """
 
     def __init__(self, journal: Path) -> None:
@@ -24,8 +32,8 @@ class FileLock:
         except OSError:
             holder = os.read(self._file, 32).decode(errors="replace").strip() or "unknown"
             os.close(self._file)
-            raise JournalError(
-                f"{journal} is being written by process {holder}; stop it, or name another file with --journal"
+            raise JournalLocked(
+                f"{journal} is being written by process {holder}; stop it, or name another file with --journal", holder
             ) from None
         os.ftruncate(self._file, 0)
         os.pwrite(self._file, f"{os.getpid()}\n".encode(), 0)

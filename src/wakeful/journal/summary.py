@@ -10,6 +10,7 @@ from wakeful.facts.events import CRITICAL
 from wakeful.facts.experience import Verdict
 from wakeful.facts.processes import Completion, State
 from wakeful.facts.time import to_s
+from wakeful.journal.debt import in_debt
 from wakeful.journal.history import EventPast, History, ProcessPast, history
 from wakeful.journal.incidents import observations_of
 from wakeful.journal.readable import Readable, View
@@ -171,16 +172,6 @@ def covered(root: ProcessPast) -> bool:
     if root.end is Completion.ABANDONED or root.decision is None:
         return False
     return root.state is not State.WAITING or bool(root.unanswered())
-
-
-def in_debt(read: History, past: EventPast) -> bool:
-    """Whether an event holds only a provisional treatment (fallback, or unresolved) and no better one since."""
-    provisional = True
-    for process in past.processes:
-        found = read.processes[process]
-        if found.decision and found.decision.mode != "fallback" and found.end is not Completion.UNRESOLVED:
-            provisional = False
-    return provisional and bool(past.processes)
 
 
 def accuracy(roots: Sequence[tuple[EventPast, ProcessPast]]) -> Accuracy:

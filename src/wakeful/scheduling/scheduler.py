@@ -331,8 +331,11 @@ class Scheduler:
         """Have the calls made whose turn has come; the others queue in the process set. After a recovery: all under way."""
         for each, since_ns in self.processes.reasoner_calls.take():
             process = self.processes[each]
-            if process.pending is not None and isinstance(process.want, Want):
-                self._call(process, process.want, process.pending, since_ns)
+            pending = process.pending
+            if pending is None or not isinstance(process.want, Want):
+                continue
+            if pending.expires_ns is None or pending.expires_ns > self._host.now_ns:  # else its limit passes at this instant
+                self._call(process, process.want, pending, since_ns)
 
     def _call(self, process: Process, want: Want, pending: Asked, since_ns: int) -> None:
         self._host.call(

@@ -9,9 +9,9 @@ from urllib.parse import urlencode
 import msgspec
 
 from wakeful.facts.experience import Verdict
+from wakeful.journal.debt import in_debt
 from wakeful.journal.results import result_says
 from wakeful.journal.rows import EventRow, event_row
-from wakeful.journal.summary import in_debt
 from wakeful.journal.views import EventPast, History
 from wakeful.web.figures import MODE_WORDS
 from wakeful.web.markup import Markup, element, join

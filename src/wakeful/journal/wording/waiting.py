@@ -41,7 +41,8 @@ def deadline_words(seconds: float | None) -> str:
 def stands(read: History, process: ProcessPast) -> str:
     """One sentence on why the process is where it is; empty for one that is done."""
     if process.held_by:
-        return f"held by {process.held_by}"
+        why = f" ({plain(process.held_why, 60)})" if process.held_why else ""
+        return f"held by {plain(process.held_by)}{why}"
     match process.state:
         case State.CREATED:
             return "ready, not begun"

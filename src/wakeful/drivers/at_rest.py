@@ -1,0 +1,94 @@
+"""Operators' acts on a journal that no mind is writing: recorded by the scheduler's own code, while nobody thinks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NoReturn
+
+from wakeful.contracts.journal import Journal
+from wakeful.facts.asking import Episode, Query, Reply
+from wakeful.facts.decisions import Decision
+from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event
+from wakeful.facts.inputs import Act, Call
+from wakeful.facts.lines import Acted, Admitted, AnyRecord, Concluded, Line, Noted
+from wakeful.facts.settings import MindSettings
+from wakeful.scheduling import Scheduler, SuspendResume
+from wakeful.scheduling.evidence import EvidenceShelf
+
+
+class _Nothing:
+    """Nothing is treated at rest."""
+
+    def get(self, name: str) -> NoReturn:
+        raise LookupError(f"treatment {name} was wanted from a mind at rest")
+
+
+class _AtRest:
+    """The scheduler's host where no time passes, nothing is called and nothing is thought."""
+
+    def __init__(self, journal: Journal) -> None:
+        self.settings = MindSettings()
+        self.now_ns = 0
+        self.lines: list[Line] = []
+        self._events: dict[str, Event] = {}
+        self._position = journal.last
+        spec = DomainSpec(name="", version=0, says="")
+        self.scheduler = Scheduler(self, SuspendResume(), _Nothing(), spec, (), EvidenceShelf({}, 0))
+        for line in journal.lines():
+            self.now_ns = line.at_ns
+            self._apply(line.record)
+
+    def write(self, record: AnyRecord) -> None:
+        self._position += 1
+        self.lines.append(Line(self._position, self.now_ns, record))
+        self._apply(record)
+
+    def _apply(self, record: AnyRecord) -> None:
+        if isinstance(record, Admitted):
+            self._events[record.event.id] = record.event
+        self.scheduler.processes.apply(record, self.now_ns)
+
+    def event(self, identity: str) -> Event:
+        return self._events[identity]
+
+    def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:
+        self.write(Noted(what=what, detail=detail, process=process, event=event))
+
+    def call(self, call: Call) -> None:
+        """Calls that are under way are made again when the mind starts, as after any crash."""
+
+    def concluded(self, record: Concluded) -> None:
+        """Nothing concludes at rest."""
+
+    def recall(self, query: Query) -> tuple[Episode, ...]:  # noqa: ARG002
+        return ()
+
+    def closes_ns(self, arrived_ns: int) -> int:
+        return arrived_ns
+
+    def counselled(self, decision: Decision, reply: Reply) -> dict[str, float]:  # noqa: ARG002
+        return decision.prior
+
+
+def act_at_rest(journal: Journal, acts: Iterable[Act]) -> list[tuple[int, Acted]]:
+    """Record operators' acts, and what they do, in one commit; nobody else moves until a mind takes the journal up again.
+
+    Needs neither the mind's domain nor its treatments, and runs none of them.
+
+    Args:
+        journal: open for writing.
+        acts: in their order; one whose id is in the journal already does nothing.
+
+    Returns:
+        the position and record of each act that was taken up; ``refused`` says why one changed nothing.
+
+    Raises:
+        JournalError: it could not be written; nothing was.
+    """
+    host = _AtRest(journal)
+    for act in acts:
+        host.scheduler.take(act)
+    if host.lines:
+        journal.commit(host.lines, {}, {})
+    return [(line.position, line.record) for line in host.lines if isinstance(line.record, Acted)]
