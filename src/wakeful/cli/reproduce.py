@@ -13,7 +13,6 @@ from wakeful.cli.progress import Progress as Bar
 from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.experiments import exp2_figures, exp2_processing, exp2_variants
 from wakeful.experiments.rows import Progress, Reproduced, Row, table_cells
-from wakeful.experiments.worlds.service_load import LOADS
 
 _COLUMNS = ("method", "workload", "metric", "paper", "ours", "z", "s.e.")
 
@@ -27,14 +26,17 @@ class Experiment(msgspec.Struct, frozen=True):
     draw: Callable[[list[Row], Path], list[Path]]
 
 
-_LOADS = 2 * len(LOADS)
+_WORKLOADS = sum(len(parameters.loads) for parameters in exp2_processing.PARAMETER_SETS)
 
 EXPERIMENTS: dict[str, Experiment] = {
     "exp2": Experiment(
-        exp2_processing.SEEDS, _LOADS * len(exp2_processing.METHODS), exp2_processing.reproduce, exp2_figures.draw_completion
+        exp2_processing.SEEDS, _WORKLOADS * len(exp2_processing.METHODS), exp2_processing.reproduce, exp2_figures.draw_completion
     ),
     "exp2-untold": Experiment(
-        exp2_processing.SEEDS, _LOADS * len(exp2_variants.UNTOLD), exp2_variants.reproduce_untold, exp2_figures.draw_completion
+        exp2_processing.SEEDS,
+        _WORKLOADS * len(exp2_variants.UNTOLD),
+        exp2_variants.reproduce_untold,
+        exp2_figures.draw_completion,
     ),
     "exp2-frontier": Experiment(
         exp2_processing.SEEDS, exp2_variants.FRONTIER_RUNS, exp2_variants.reproduce_frontier, exp2_variants.draw_frontier

@@ -23,7 +23,6 @@ from wakeful.experiments.rows import Progress, Reproduced, Row, row
 from wakeful.experiments.worlds.service_load import (
     DRAIN_STEPS,
     FIRST,
-    LOADS,
     NOMINAL_STEPS,
     SECOND,
     Arrival,
@@ -59,9 +58,6 @@ SOURCE = "service_load"
 #: when the step begins.
 _ORIGIN_NS = NS_PER_S
 _BEFORE_NS = NS_PER_S // 2
-
-#: What the robot's own task gains in a nominal step, by what cognition does in it.
-GAIN_IDLE, GAIN_ROUTINE, GAIN_CRITICAL, GAIN_BLOCKED = 1.0, 0.80, 0.10, 0.25
 
 
 Told = Literal["effort", "kind", "nothing"]
@@ -274,8 +270,14 @@ def _stretches(journal: MemoryJournal, state: State) -> Iterator[tuple[int, int,
         yield process, begun_ns, _ORIGIN_NS + STEPS * NS_PER_S
 
 
-def measure(journal: MemoryJournal, *, blocks: bool) -> Measured:
-    """The paper's metrics, from the journal's records alone (Sec. IV-B, Eq. 12)."""
+def measure(journal: MemoryJournal, parameters: Parameters, *, blocks: bool) -> Measured:
+    """The paper's metrics, from the journal's records alone (Sec. IV-B, Eq. 12).
+
+    Args:
+        journal: of one run.
+        parameters: say what the primary task gains in a step.
+        blocks: whether the slot counts as kept while a process waits and nobody works.
+    """
     admitted = sum(isinstance(line.record, Admitted) for line in journal.lines())
     processes = lives(journal)
     done = [life for life in processes.values() if life.ended_ns is not None]
@@ -285,9 +287,10 @@ def measure(journal: MemoryJournal, *, blocks: bool) -> Measured:
     gained = 0.0
     for holder, waited in list(zip(holders(journal), waiting(journal), strict=True))[:NOMINAL_STEPS]:
         if holder is not None:
-            gained += GAIN_CRITICAL if processes[holder].criticality == CRITICAL else GAIN_ROUTINE
+            urgent = processes[holder].criticality == CRITICAL
+            gained += parameters.gain_critical if urgent else parameters.gain_routine
         else:
-            gained += GAIN_BLOCKED if blocks and waited else GAIN_IDLE
+            gained += parameters.gain_blocked if blocks and waited else 1.0
     return Measured(
         events=admitted,
         completion=_percent(len(done), admitted),
@@ -305,7 +308,7 @@ def _percent(part: int, whole: int) -> float | None:
 def one(method: Method, load: Load, parameters: Parameters, seed: int) -> Measured:
     """One method on one world."""
     journal = run(arrivals(load, parameters, seed), method.policy(), told=method.told)
-    return measure(journal, blocks=method.blocks)
+    return measure(journal, parameters, blocks=method.blocks)
 
 
 def limit(load: Load, parameters: Parameters, seed: int) -> Measured:
@@ -324,6 +327,8 @@ def limit(load: Load, parameters: Parameters, seed: int) -> Measured:
 #: The project's ten seeds. They were not picked: the means of their event counts lie within 3 % of the paper's as they are.
 SEEDS = tuple(range(10))
 
+PARAMETER_SETS = (FIRST, SECOND)
+
 METRICS: dict[str, str] = {
     "completion": "3",
     "critical_miss": "4",
@@ -341,7 +346,7 @@ def measure_all(
     seeds: Sequence[int],
     progress: Progress,
     methods: Sequence[Method] = METHODS,
-    parameter_sets: Sequence[Parameters] = (FIRST, SECOND),
+    parameter_sets: Sequence[Parameters] = PARAMETER_SETS,
 ) -> Results:
     """Every method, and the limit, on every workload of the parameter sets.
 
@@ -354,7 +359,7 @@ def measure_all(
     results: Results = {}
     runs = events = 0
     for parameters in parameter_sets:
-        for load in LOADS.values():
+        for load in parameters.loads:
             workload = parameters.named(load)
             for method in methods:
                 runs_of_method = results.setdefault((method.name, workload), [])
@@ -368,7 +373,7 @@ def measure_all(
 
 def rows(results: Results) -> list[Row]:
     """Means and sample standard deviations over the seeds, the paper's cell of the workload beside them."""
-    published = {parameters.named(load): load.name for parameters in (FIRST, SECOND) for load in LOADS.values()}
+    published = {parameters.named(load): load.name for parameters in PARAMETER_SETS for load in parameters.loads}
     found = (
         row(table, method, workload, metric, [getattr(each, metric) for each in measured], beside=published[workload])
         for (method, workload), measured in results.items()

@@ -18,7 +18,7 @@ from wakeful.experiments.exp2_processing import (
 )
 from wakeful.experiments.plotting import new_figure, save
 from wakeful.experiments.rows import Progress, Reproduced, Row, row
-from wakeful.experiments.worlds.service_load import FIRST, LOADS
+from wakeful.experiments.worlds.service_load import FIRST
 from wakeful.scheduling.policies.deadline_aware import DeadlineAware
 from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.scheduling.policies.suspend_resume import SuspendResume
@@ -53,7 +53,7 @@ def reproduce_frontier(seeds: Sequence[int], progress: Progress) -> Reproduced:
     """Every policy with a share of the steps declared for the primary task: a workload's name ends in ``@`` and the share."""
     found: list[Row | None] = []
     runs = events = 0
-    for load in (LOADS[name] for name in FRONTIER_LOADS):
+    for load in (each for each in FIRST.loads if each.name in FRONTIER_LOADS):
         for share in SHARES:
             for method in METHODS:
                 shared = Method(name=method.name, policy=_sharing(method.policy, share), blocks=method.blocks)

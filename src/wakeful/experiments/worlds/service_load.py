@@ -45,19 +45,20 @@ class Load(Fact, frozen=True):
 
     name: str
     rate: float
-    critical: float = 0.28
-    delayed: float = 0.55
+    critical: float
+    delayed: float
     bursts: int = 0
     burst_events: tuple[int, int] = (2, 6)
     burst_steps: int = 10
 
 
 class Parameters(Fact, frozen=True):
-    """What holds for all workloads. Ranges are uniform over whole numbers, both ends included."""
+    """One declared set: its workloads, and what holds for all of them. Ranges are uniform over whole numbers, ends included."""
 
     name: str
+    loads: tuple[Load, ...]
     suffix: str = ""
-    """After a workload's name where results of several parameter sets stand in one table."""
+    """After a workload's name where results of several sets stand in one table."""
     work: tuple[int, int] = (3, 6)
     deadline_steps: tuple[int, int] = (5, 12)
     evidence_steps: tuple[int, int] = (8, 20)
@@ -67,21 +68,41 @@ class Parameters(Fact, frozen=True):
     """Factors on a load's ``delayed``: what the task itself is about is seldom delayed."""
     routine_priority: tuple[int, int] = (0, 1)
     critical_priority: tuple[int, int] = (2, 5)
+    gain_routine: float = 0.80
+    gain_critical: float = 0.10
+    gain_blocked: float = 0.25
+    """What the robot's own task gains in a nominal step in which cognition does so; 1 where it does nothing."""
 
     def named(self, load: Load) -> str:
         """The workload's name in tables."""
         return load.name + self.suffix
 
 
-LOADS: dict[str, Load] = {
-    "low": Load(name="low", rate=0.06),
-    "medium": Load(name="medium", rate=0.1986),
-    "high": Load(name="high", rate=0.3855),
-    "bursty_delayed": Load(name="bursty_delayed", rate=30 / NOMINAL_STEPS, critical=0.32, delayed=0.90, bursts=6),
-}
+def _loads(critical: float, delayed: float, bursty: Load) -> tuple[Load, ...]:
+    rates = {"low": 0.06, "medium": 0.1986, "high": 0.3855}
+    return (*(Load(name=name, rate=rate, critical=critical, delayed=delayed) for name, rate in rates.items()), bursty)
 
-FIRST = Parameters(name="first")
-SECOND = Parameters(name="second", suffix="_2", work=(3, 7), deadline_steps=(6, 13))
+
+_BURSTY_RATE = 30 / NOMINAL_STEPS
+
+FIRST = Parameters(
+    name="first",
+    loads=_loads(0.28, 0.55, Load(name="bursty_delayed", rate=_BURSTY_RATE, critical=0.32, delayed=0.90, bursts=6)),
+)
+SECOND = Parameters(
+    name="second",
+    loads=_loads(
+        0.26, 0.47, Load(name="bursty_delayed", rate=_BURSTY_RATE, critical=0.31, delayed=0.92, bursts=6, burst_steps=15)
+    ),
+    suffix="_2",
+    work=(3, 7),
+    deadline_steps=(6, 13),
+    task_relevant=0.38,
+    delayed_if_relevant=0.10,
+    delayed_if_critical=0.65,
+    critical_priority=(2, 3),
+    gain_routine=0.78,
+)
 
 
 def arrivals(load: Load, parameters: Parameters, seed: int) -> tuple[Arrival, ...]:

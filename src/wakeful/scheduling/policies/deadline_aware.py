@@ -47,7 +47,7 @@ class DeadlineAwareSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_un
     wait_s_per_step: float = 200.0
     head_start_steps: float = 4.0
     assumed_steps: int = 4
-    considered: int = 64
+    considered: int = 32
 
 
 class _Ready(msgspec.Struct):
