@@ -18,6 +18,7 @@ from wakeful.cli.reproduce import reproduce_command
 from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
 from wakeful.cli.stats import stats_command
+from wakeful.cli.trace import timeline_command, trace_command
 from wakeful.cli.vocabulary import domains_command, treatments_command
 from wakeful.cli.web import web_command
 from wakeful.cli.why import why_command
@@ -47,6 +48,8 @@ for command in (
     cancel_command,
     debt_command,
     why_command,
+    trace_command,
+    timeline_command,
     audit_command,
     stats_command,
     trust_command,
