@@ -123,3 +123,12 @@ def test_the_nearest_are_those_of_an_exact_search(loads: list[float], at: float,
     kept = [(number, load) for number, load in enumerate(loads, 1) if number > len(loads) - len(one) and number % 3]
     exact = sorted(kept, key=lambda pair: (round(abs(float(np.float32(pair[1])) - float(np.float32(at))), 6), -pair[0]))
     assert one.nearest(np.array([at, 1.0, 0.5]), k) == tuple(number for number, _ in exact[:k])
+
+
+def test_after_forgetting_a_query_still_finds_its_entity() -> None:
+    one = Episodes(encode, limit=20)
+    for number in range(1, 60):
+        remember(one, event(number, entity=f"thing {number % 3}", kind="k" if number % 2 else "other"))
+    found = [episode.event for episode in one.search(Query(entity="thing 1", kind="k", limit=3), LATER)]
+    assert found == ["e55", "e49", "e43"]
+    assert one.search(Query(entity="thing 9"), LATER) == ()

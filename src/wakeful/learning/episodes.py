@@ -19,6 +19,7 @@ Encode = Callable[[Event], Vector]
 
 _DIGITS: Final = 6
 _FIRST_ROWS: Final = 64
+_COLUMNS: Final = ("_norms", "_experienced", "_concluded", "_entities", "_kinds")
 
 
 class _Said(msgspec.Struct):
@@ -54,6 +55,9 @@ class Episodes:
         self._norms: npt.NDArray[np.float32] = np.zeros(0, dtype=np.float32)
         self._experienced: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._concluded: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._code: dict[str, int] = {}
+        self._entities: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self._kinds: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._admitted = 0
 
     def __len__(self) -> int:
@@ -91,12 +95,9 @@ class Episodes:
         own = self._at.get(query.event)
         if own is not None:
             wanted[own] = False
-        if query.entity or query.kind:
-            for index in np.flatnonzero(wanted).tolist():
-                event = self._entries[index].event
-                wanted[index] = (not query.entity or event.entity == query.entity) and (
-                    not query.kind or event.kind == query.kind
-                )
+        for name, codes in ((query.entity, self._entities), (query.kind, self._kinds)):
+            if name:
+                wanted &= codes[: len(self._entries)] == self._code.get(name, -1)
         for index in range(len(self._entries) - 1, -1, -1):
             if self._entries[index].event.stamp.received_ns <= now_ns:
                 break
@@ -140,6 +141,7 @@ class Episodes:
         self._rows[index] = features
         self._norms[index] = features @ features
         self._experienced[index] = self._concluded[index] = False
+        self._entities[index], self._kinds[index] = self._coded(event.entity), self._coded(event.kind)
         self._at[event.id] = index
         self._admitted += 1
         self._entries.append(_Entry(event=event, order=self._admitted))
@@ -185,15 +187,20 @@ class Episodes:
         if count:
             larger[:count] = self._rows[:count]
         self._rows = larger
-        self._norms = np.resize(self._norms, rows) if count else np.zeros(rows, dtype=np.float32)
-        self._experienced = np.resize(self._experienced, rows) if count else np.zeros(rows, dtype=np.bool_)
-        self._concluded = np.resize(self._concluded, rows) if count else np.zeros(rows, dtype=np.bool_)
+        for name in _COLUMNS:
+            setattr(self, name, np.concatenate([getattr(self, name), np.zeros(rows - count, dtype=getattr(self, name).dtype)]))
+
+    def _coded(self, name: str) -> int:
+        return self._code.setdefault(name, len(self._code))
 
     def _forget(self) -> None:
         gone = max(1, len(self._entries) // 5)
         self._entries = self._entries[gone:]
         self._at = {entry.event.id: index for index, entry in enumerate(self._entries)}
         kept = len(self._entries)
-        for name in ("_rows", "_norms", "_experienced", "_concluded"):
+        for name in ("_rows", *_COLUMNS):
             array = getattr(self, name)
             array[:kept] = array[gone : gone + kept].copy()
+        self._code = {}
+        for index, entry in enumerate(self._entries):
+            self._entities[index], self._kinds[index] = self._coded(entry.event.entity), self._coded(entry.event.kind)

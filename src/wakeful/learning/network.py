@@ -7,6 +7,7 @@ whatever the number of threads.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Final
 
@@ -43,6 +44,7 @@ class Views(msgspec.Struct, frozen=True):
     second_bias: Floats
     heads: Floats
     heads_bias: Floats
+    treatments: int
 
 
 class Fit(msgspec.Struct, frozen=True, kw_only=True):
@@ -63,7 +65,7 @@ def views(theta: Floats, shape: Shape) -> Views:
     d, h, out = shape.inputs, shape.hidden, shape.treatments + shape.labels
     cuts = np.cumsum([d * h, h, h * h, h, h * out])
     a, b, c, e, f, g = np.split(theta, cuts)
-    return Views(a.reshape(d, h), b, c.reshape(h, h), e, f.reshape(h, out), g)
+    return Views(a.reshape(d, h), b, c.reshape(h, h), e, f.reshape(h, out), g, shape.treatments)
 
 
 def start(shape: Shape, seed: int) -> Floats:
@@ -115,13 +117,17 @@ def result_losses(p: Floats, material: Material) -> tuple[Floats, Floats]:
     return loss, np.where(decided, material.result_weight, 0.0)
 
 
-def gradient(theta: Floats, shape: Shape, batch: Material, fit: Fit, keep: tuple[Floats, Floats] | None) -> Floats:
-    """The gradient of λ_m L_m + λ_r L_r over one batch, shape (size,); each L is the weighted mean over its own rows.
+def gradient(parts: Views, batch: Material, fit: Fit, keep: tuple[Floats, Floats] | None, into: Views) -> None:
+    """Writes the gradient of λ_m L_m + λ_r L_r over one batch, as layers; each L is the weighted mean over its own rows.
 
-    ``keep`` are the dropout masks of the two hidden layers, (n, h) each, already divided by the share that is kept.
+    Args:
+        parts: the parameters.
+        batch: at most 32 rows.
+        fit: λ_m and λ_r.
+        keep: the dropout masks of the two hidden layers, (n, h) each, already divided by the share that is kept.
+        into: what is written to.
     """
-    parts = views(theta, shape)
-    n, k = len(batch.x), shape.treatments
+    n, k = len(batch.x), parts.treatments
     first = np.maximum(batch.x @ parts.first + parts.first_bias, 0.0)
     first_kept = first if keep is None else first * keep[0]
     second = np.maximum(first_kept @ parts.second + parts.second_bias, 0.0)
@@ -149,8 +155,6 @@ def gradient(theta: Floats, shape: Shape, batch: Material, fit: Fit, keep: tuple
     share = fit.result_loss / total * np.where(decided, batch.result_weight, 0.0) if total > 0.0 else np.zeros(n)
     by_logit[:, k:] *= share[:, None]
 
-    slope = np.empty_like(theta)
-    into = views(slope, shape)
     np.matmul(second_kept.T, by_logit, out=into.heads)
     by_logit.sum(axis=0, out=into.heads_bias)
     back = by_logit @ parts.heads.T
@@ -165,7 +169,6 @@ def gradient(theta: Floats, shape: Shape, batch: Material, fit: Fit, keep: tuple
     back *= first > 0.0
     np.matmul(batch.x.T, back, out=into.first)
     back.sum(axis=0, out=into.first_bias)
-    return slope
 
 
 class AdamW:
@@ -173,20 +176,23 @@ class AdamW:
 
     def __init__(self, size: int, learning_rate: float, weight_decay: float) -> None:
         self._rate, self._decay = learning_rate, weight_decay
-        self._mean, self._square = np.zeros(size), np.zeros(size)
+        self._mean, self._square, self._room = np.zeros(size), np.zeros(size), np.empty(size)
         self._steps = 0
 
     def step(self, theta: Floats, slope: Floats) -> None:
         """Move θ by one step, in place."""
+        room = self._room
         self._steps += 1
         theta *= 1.0 - self._rate * self._decay
-        self._mean += 0.1 * (slope - self._mean)
+        self._mean += np.multiply(np.subtract(slope, self._mean, out=room), 0.1, out=room)
         self._square *= 0.999
-        self._square += 0.001 * slope * slope
-        size = np.sqrt(self._square)
-        size /= np.sqrt(1.0 - 0.999**self._steps)
-        size += 1e-8
-        theta -= self._rate / (1.0 - 0.9**self._steps) * self._mean / size
+        self._square += np.multiply(np.multiply(slope, slope, out=room), 0.001, out=room)
+        np.sqrt(self._square, out=room)
+        room /= math.sqrt(1.0 - 0.999**self._steps)
+        room += 1e-8
+        np.divide(self._mean, room, out=room)
+        room *= self._rate / (1.0 - 0.9**self._steps)
+        theta -= room
 
 
 def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Iterator[Floats]:
@@ -194,7 +200,8 @@ def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Iterator
 
     It is one array that goes on changing: copy what is to be kept. The given θ is not changed.
     """
-    theta = theta.copy()
+    theta, slope = theta.copy(), np.empty(shape.size)
+    parts, into = views(theta, shape), views(slope, shape)
     optimiser = AdamW(shape.size, fit.learning_rate, fit.weight_decay)
     random = np.random.default_rng((fit.seed, 2))
     n, h, kept = len(material.x), shape.hidden, 1.0 - fit.dropout
@@ -204,5 +211,6 @@ def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Iterator
         for begin in range(0, n, fit.batch):
             rows = order[begin : begin + fit.batch]
             keep = None if masks is None else (masks[begin : begin + fit.batch, :h], masks[begin : begin + fit.batch, h:])
-            optimiser.step(theta, gradient(theta, shape, material.rows(rows), fit, keep))
+            gradient(parts, material.rows(rows), fit, keep, into)
+            optimiser.step(theta, slope)
         yield theta
