@@ -123,7 +123,7 @@ def test_doubt_leads_to_deliberation_and_the_reason_says_which(changed: dict[str
 def test_lost_trust_leads_to_deliberation() -> None:
     decision = selector().decide(event(), {"planning": 0.2}, (), 80)
     assert decision.mode == "delib"
-    assert (decision.gate.trust, decision.gate.trust_limit) == (0.2, 0.5)
+    assert (decision.gate.trust, decision.gate.trust_limit) == (0.2, 0.4)
 
 
 def test_the_unfamiliar_leads_to_fallback_however_certain_the_model_is() -> None:

@@ -12,6 +12,7 @@ from wakeful.facts.lines import AnyRecord, Concluded, Created, Decided, Gained, 
 from wakeful.facts.processes import State
 from wakeful.revision.reliability import Reliability
 from wakeful.revision.standing import Made, Stale, Standing
+from wakeful.revision.track import Track
 
 _DIGITS = 6
 
@@ -19,17 +20,21 @@ _DIGITS = 6
 class RevisionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How trust moves.
 
-    ``initial``: trust in a treatment that nothing is known of. ``limit``: what automatic execution needs. ``gain``: the share
-    of the way to 1 that a support makes good. ``drop``: the share of trust that a contradiction takes where outcomes are wholly
-    reliable. ``probation``: trust once a new model version has learned from the contradiction. ``memory``: outcomes over which
-    reliability forgets; ``prior_agreed`` and ``prior_differed``: what it starts from. ``doubted``: experiences whose trust is
-    remembered; ``keep``: settled decisions.
+    ``initial``: the share of results that is expected to be supported of a treatment that nothing is known of, weighing
+    ``initial_cases`` outcomes; ``record_memory``: outcomes over which that share forgets. ``limit``: what automatic execution
+    needs. ``gain``: the part of what a contradiction took that a support makes good. ``drop``: the part of trust that the
+    contradiction of an automatic result takes at once where outcomes are wholly reliable. ``probation``: trust once a new model
+    version has learned from the contradiction, where the record supports as much. ``memory``: outcomes over which reliability
+    forgets; ``prior_agreed`` and ``prior_differed``: what it starts from. ``doubted``: experiences whose trust is remembered;
+    ``keep``: settled decisions.
     """
 
     initial: float = 0.8
-    limit: float = 0.5
+    initial_cases: float = 4.0
+    record_memory: float = 50.0
+    limit: float = 0.4
     gain: float = 0.25
-    drop: float = 0.6
+    drop: float = 0.7
     probation: float = 0.6
     memory: float = 100.0
     prior_agreed: float = 4.0
@@ -44,14 +49,17 @@ class Revision:
     What the kernel does with it: ``apply`` of every record; after ``apply(Gained)``, ``weigh(experience)`` and, each of its
     Trusted recorded, ``reopen(experience, limit)``; before it records a Published, ``relearned(card)``.
 
-    Automatic execution answers for itself: only a contradiction of an automatic result lowers trust in its treatment, while
-    support in any mode raises it. A contradiction counts for as much as outcomes have proved reliable (`Reliability`).
+    Trust is a treatment's record times its standing. The record is the expected share of its results that the world supports, in
+    whatever mode, recent ones counting more (`Track`): a treatment that is contradicted as often as not is trusted by half. The
+    standing is 1 until an automatic result is contradicted, which takes a part of it at once, as much as outcomes have proved
+    reliable (`Reliability`); support in any mode, and a model version that has learned from it, give it back.
     """
 
     def __init__(self, spec: DomainSpec, settings: RevisionSettings | None = None) -> None:
         self.settings = settings or RevisionSettings()
         self._treatments = spec.treatments
         self._trust: dict[str, float] = {}
+        self._track = Track(self.settings.initial, self.settings.initial_cases, self.settings.record_memory)
         self._contradicted: dict[str, int] = {}
         self._doubts: dict[int, tuple[float, int]] = {}
         self._criticality: dict[int, int] = {}
@@ -92,40 +100,35 @@ class Revision:
         return round(self._reliability.weight, _DIGITS)
 
     def weigh(self, experience: Experience) -> list[Trusted]:
-        """The change of trust that an experience brings, none where there is none."""
-        before = self.trust(experience.treatment)
+        """The change of trust that an experience brings, none where there is none. It was applied (Gained) just before."""
+        treatment = experience.treatment
+        share, standing = self._track.share(treatment), self._track.standing(treatment)
+        said = f"{share:.0%} of its recent results were supported"
         if experience.verdict is Verdict.SUPPORTED:
-            after = before + self.settings.gain * experience.weight * (1.0 - before)
-            why = f"{_mode(experience)} result was supported: {experience.outcome!r} came"
-        elif experience.verdict is Verdict.CONTRADICTED and experience.mode == "auto":
-            counts = min(1.0, self.reliability * experience.weight)
-            after = before * (1.0 - self.settings.drop * counts)
+            standing += self.settings.gain * min(1.0, experience.weight) * (1.0 - standing)
+            why = f"{_mode(experience)} result was supported: {experience.outcome!r} came; {said}"
+        elif experience.verdict is Verdict.CONTRADICTED:
+            automatic = experience.mode == "auto"
+            if automatic:
+                standing *= 1.0 - self.settings.drop * min(1.0, self.reliability * experience.weight)
             why = (
-                f"an automatic result was contradicted: it forecast {experience.predicted!r}, {experience.outcome!r} came; "
-                f"outcomes have proved {self.reliability:.0%} reliable"
+                f"{_mode(experience)} result was contradicted: it forecast {experience.predicted!r}, "
+                f"{experience.outcome!r} came; {said}"
+                + (f"; outcomes have proved {self.reliability:.0%} reliable" if automatic else "")
             )
         else:
             return []
-        after = round(min(1.0, max(0.0, after)), _DIGITS)
-        if after == before:
-            return []
-        return [Trusted(treatment=experience.treatment, before=before, after=after, why=why, experience=experience.id)]
+        return self._trusted(treatment, share * standing, why, experience.id)
 
     def relearned(self, card: ModelCard) -> list[Trusted]:
         """Trust given back on probation: an accepted version has learned from the contradictions that lowered it."""
         if not card.accepted:
             return []
-        probation = self.settings.probation
         return [
-            Trusted(
-                treatment=treatment,
-                before=self.trust(treatment),
-                after=probation,
-                why=f"model version {card.version} has learned from the contradiction: trusted again on probation",
-                experience=experience,
-            )
+            trusted
             for treatment, experience in sorted(self._contradicted.items())
-            if experience <= card.watermark and self.trust(treatment) < probation
+            if experience <= card.watermark
+            for trusted in self._on_probation(treatment, experience, card.version)
         ]
 
     def reopen(self, experience: Experience, limit: int) -> list[Stale]:
@@ -186,11 +189,26 @@ class Revision:
                 self._gain(experience)
             case Trusted(treatment=treatment, after=after):
                 self._trust[treatment] = after
+                self._track.stand(treatment, after)
             case Published(card=card) if card.accepted:
                 self._doubts = {id_: doubt for id_, doubt in self._doubts.items() if doubt[1] > card.watermark}
                 self._contradicted = {name: id_ for name, id_ in self._contradicted.items() if id_ > card.watermark}
 
+    def _on_probation(self, treatment: str, experience: int, version: int) -> list[Trusted]:
+        after = min(self.settings.probation, self._track.share(treatment))
+        if self.trust(treatment) >= after:
+            return []
+        why = f"model version {version} has learned from the contradiction: trusted again on probation"
+        return self._trusted(treatment, after, why, experience)
+
+    def _trusted(self, treatment: str, level: float, why: str, experience: int) -> list[Trusted]:
+        before, after = self.trust(treatment), round(min(1.0, max(0.0, level)), _DIGITS)
+        if after == before:
+            return []
+        return [Trusted(treatment=treatment, before=before, after=after, why=why, experience=experience)]
+
     def _gain(self, experience: Experience) -> None:
+        self._track.learn(experience)
         made = self._standing.get(experience.process)
         rests_on = made.rests_on if made is not None else ()
         self._reliability.learn(experience, rests_on)

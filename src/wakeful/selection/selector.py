@@ -38,7 +38,7 @@ class SelectionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     confidence: float = 0.90
     result_confidence: float = 0.55
     novelty_limit: float = 0.99
-    trust_limit: float = 0.5
+    trust_limit: float = 0.4
     support: int = 1
 
 
