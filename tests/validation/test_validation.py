@@ -174,6 +174,15 @@ def test_what_had_been_acted_on_may_have_been_prevented() -> None:
     assert bench.gain(judged) is None
 
 
+@pytest.mark.parametrize(("forecast", "came"), [("none", "intervention"), ("failure", "intervention")])
+def test_what_was_not_forecast_and_came_contradicts_though_the_result_had_been_acted_on(forecast: str, came: str) -> None:
+    bench = Bench()
+    process = bench.admit(0.0)
+    bench.conclude(process, 0.0, 1.0, forecast)
+    (judged,) = bench.witness(outcome("o", 10.0, came, acted_on=True))
+    assert judged.verdict is Verdict.CONTRADICTED
+
+
 def test_a_label_that_the_domain_does_not_know_is_compared_with_nothing() -> None:
     bench = Bench()
     bench.forecast(0.0)

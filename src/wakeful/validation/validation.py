@@ -230,7 +230,7 @@ class Validation:
         return self._judge(entry, outcome, "came late but lies inside the window: supersedes what its close said")
 
     def _judge(self, entry: Entry, outcome: Outcome, why: str = "") -> Judged:
-        seen = verdict(entry.label, outcome.label, outcome.acted_on)
+        seen = verdict(entry.label, outcome.label, outcome.acted_on, self._spec.labels[0])
         reasons = [why] if why else []
         if seen is Verdict.UNDECIDED:
             reasons.append("the result had been acted on: what it forecast may have been prevented")
