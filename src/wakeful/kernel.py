@@ -19,7 +19,7 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.decisions import Decision
-from wakeful.facts.events import Draft, Event, Observation, Phase, Undecodable
+from wakeful.facts.events import Condition, Draft, Event, Observation, Phase, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
@@ -41,7 +41,7 @@ from wakeful.facts.lines import (
     Witnessed,
 )
 from wakeful.facts.settings import MindSettings
-from wakeful.facts.time import Stamp, to_ns
+from wakeful.facts.time import Stamp, to_ns, to_s
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
@@ -58,13 +58,22 @@ _STATE_KEY = "kernel"
 
 
 class SourceState(msgspec.Struct, kw_only=True):
-    """What the kernel remembers of a source: its cursor is the last position fed."""
+    """What the kernel remembers of a source: its cursor is the last position fed.
+
+    ``offered`` counts the events and undecodable inputs that came from it, before admission decided on them: the other side of
+    received = admitted + duplicate + refused. ``joined`` counts repeats and clearings, which join their condition's process.
+    ``heard_ns`` is when it was last heard; ``conditions`` are those that it raised by events of its own and has not cleared.
+    """
 
     digest: str
     offset_ns: int
     cursor: int = -1
     observations: int = 0
     finished: bool = False
+    offered: int = 0
+    joined: int = 0
+    heard_ns: int | None = None
+    conditions: list[str] = []
 
 
 class _KernelState(msgspec.Struct, kw_only=True):
@@ -101,6 +110,7 @@ class Kernel:
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
+        self._gap_ns = None if spec.outcome.gap_s is None else to_ns(spec.outcome.gap_s)
         self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings(seed=settings.seed))
         self._counsel = Counsel()
         self._weights = b""
@@ -163,7 +173,8 @@ class Kernel:
             case Mark(source=source, position=position):
                 self._sources[source].cursor = position
             case Draft():
-                self._cover(item)
+                self._hear(item.source)
+                self._offer(item)
             case Evidence():
                 self._evidence(item)
             case Outcome():
@@ -173,7 +184,8 @@ class Kernel:
             case Trained():
                 self._reuse(item)
             case Undecodable():
-                self.write(self._admission.refuse(item))
+                self._hear(item.source)
+                self._refuse(item)
             case Begin():
                 self._begin(item)
             case End():
@@ -183,21 +195,60 @@ class Kernel:
 
     def _encounter(self, observation: Observation) -> None:
         """Encounter and register: e = D(o, c) (Eq. 1)."""
-        self._sources[observation.source].observations += 1
+        self._hear(observation.source)
+        source = self._sources[observation.source]
+        source.observations += 1
         registered: Registered = self._registrars[observation.source].observe(observation)
         for outcome in registered.outcomes:
             self._validate(outcome)
         for evidence in registered.evidence:
             self._evidence(evidence)
+        source.offered += len(registered.events)
         for draft in registered.events:
             self._cover(draft)
 
-    def _cover(self, draft: Draft) -> None:
-        """Cover: an admitted event has a process with a decision from the same instant on (Eq. 3)."""
+    def _hear(self, name: str) -> None:
+        """The source was heard: what lies before a stretch in which it was not recording cannot be judged by silence."""
+        source = self._sources[name]
+        if self._gap_ns is not None:
+            heard_ns = source.heard_ns
+            if heard_ns is not None and self._now_ns - heard_ns > self._gap_ns:
+                self.note("recording gap", f"{name} was not heard for {to_s(self._now_ns - heard_ns):.1f} s")
+                self._judge(self._validation.broken(heard_ns, name))
+            self._judge(self._validation.close(self._now_ns, name))
+        source.heard_ns = self._now_ns
+
+    def _refuse(self, undecodable: Undecodable) -> None:
+        """What could not be read may have been an outcome: windows that are open now stay undecided."""
+        self._sources[undecodable.source].offered += 1
+        self.write(self._admission.refuse(undecodable))
+        self._judge(self._validation.broken(self._now_ns, undecodable.source))
+
+    def _offer(self, draft: Draft) -> None:
+        """An event that was registered elsewhere: one that repeats or clears a condition joins it, if it is known."""
+        source = self._sources[draft.source]
         condition = draft.condition
-        if condition is not None and condition.phase in (Phase.REPEATED, Phase.CLEARED):
+        known = condition is not None and condition.key in source.conditions
+        if condition is not None and condition.phase in (Phase.REPEATED, Phase.CLEARED) and known:
+            source.joined += 1
+            if condition.phase is Phase.CLEARED:
+                source.conditions.remove(condition.key)
             self._evidence(_of_condition(draft, condition.key, condition.phase))
             return
+        source.offered += 1
+        if condition is not None and condition.phase is Phase.CLEARED:
+            self.write(self._admission.reject(draft, f"no condition {condition.key!r} of this source is open: nothing to clear"))
+            return
+        if condition is not None:
+            # A repeat of what was never raised here is the first that is heard of it: its raise was lost on the way.
+            lasting = Condition(key=condition.key, phase=Phase.CHANGED if known else Phase.RAISED)
+            draft = msgspec.structs.replace(draft, condition=lasting)
+            if not known and condition.key:
+                source.conditions.append(condition.key)
+        self._cover(draft)
+
+    def _cover(self, draft: Draft) -> None:
+        """Cover: an admitted event has a process with a decision from the same instant on (Eq. 3)."""
         digest = self._sources[draft.source].digest
         stamp = Stamp(source_ns=draft.at_ns, received_ns=self._now_ns)
         record = self._admission.admit(draft, digest, stamp)
@@ -295,7 +346,12 @@ class Kernel:
         resumes = known is not None and not known.finished and known.digest == begin.digest
         if not resumes:
             self._forget_registration(begin.source)
-            self._sources[begin.source] = SourceState(digest=begin.digest, offset_ns=begin.offset_ns)
+            self._sources[begin.source] = SourceState(
+                digest=begin.digest,
+                offset_ns=begin.offset_ns,
+                offered=known.offered if known is not None else 0,
+                joined=known.joined if known is not None else 0,
+            )
             self._registrars[begin.source] = SpecRegistrar(self.domain, begin.digest)
         source = self._sources[begin.source]
         spec = self.domain.spec
@@ -328,7 +384,7 @@ class Kernel:
         """Do what falls due up to ``now_ns``, in the order of its instants."""
         while True:
             due_ns = self._scheduler.next_due_ns()
-            closes_ns = self._validation.next_close_ns()
+            closes_ns = self._closes_next_ns()
             if closes_ns is not None and (due_ns is None or closes_ns < due_ns):
                 if closes_ns > now_ns:
                     break
@@ -340,6 +396,10 @@ class Kernel:
                 self._scheduler.run_due()
             else:
                 break
+
+    def _closes_next_ns(self) -> int | None:
+        """When a window closes by the clock; where a source's silence means a gap, windows close when it is heard again."""
+        return self._validation.next_close_ns() if self._gap_ns is None else None
 
     # --- records ---
 
@@ -391,7 +451,7 @@ class Kernel:
         return arrived_ns + to_ns(self.domain.spec.outcome.within_s)
 
     def _requests(self) -> Requests:
-        wakes = [due for due in (self._scheduler.next_due_ns(), self._validation.next_close_ns()) if due is not None]
+        wakes = [due for due in (self._scheduler.next_due_ns(), self._closes_next_ns()) if due is not None]
         requests = Requests(
             lines=tuple(self._lines),
             blobs=self._blobs,

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
+
 import msgspec
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from tests.scheduling.world import Repertoire, World, say
+from tests.scheduling.world import Repertoire, Said, World, say
 from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.asking import Query, Question, Reply
 from wakeful.facts.events import Event
 from wakeful.facts.lines import Answered, Asked, Concluded, Created, Decided, Moved, Noted
 from wakeful.facts.processes import TRANSITIONS, State, Trigger
 from wakeful.facts.results import Result
+
+Thinks = Callable[[Event, Mind], Awaitable[Result]]
 
 
 async def short(event: Event, mind: Mind) -> Result:
@@ -371,3 +375,58 @@ def test_in_slotted_time_all_that_came_within_a_step_is_known_before_the_next_on
     world.until(9)
     done = [(line.at_ns, line.record.event) for line in world.lines if isinstance(line.record, Concluded)]
     assert done == [(3_000_000_000, "urgent"), (5_000_000_000, "first")]
+
+
+async def waits_for_ever(event: Event, mind: Mind) -> Result:
+    await mind.evidence("sensor", event.id, within_s=float("inf"))
+    return say("never")
+
+
+async def asks_for_ever(event: Event, mind: Mind) -> Result:
+    while True:
+        await mind.evidence("sensor", event.id, within_s=0)
+
+
+async def works_for_ever(event: Event, mind: Mind) -> Result:
+    while True:
+        await mind.work()
+
+
+async def works_very_long(event: Event, mind: Mind) -> Result:
+    await mind.work(10**12)
+    return say("never")
+
+
+async def treats_itself(event: Event, mind: Mind) -> Result:
+    return say((await mind.treat("bad", event)).says)
+
+
+async def leaves(event: Event, mind: Mind) -> Result:
+    raise SystemExit(3)
+
+
+async def unsure_of_all(event: Event, mind: Mind) -> Result:
+    return say("x") if mind.mode == "none" else Said(says="x", confidence=float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("think", "why"),
+    [
+        (waits_for_ever, "every wait needs a limit"),
+        (asks_for_ever, "more than 256 requests"),
+        (works_for_ever, "at most 10000 are given"),
+        (works_very_long, "at most 10000 are given"),
+        (treats_itself, "nested deeper than 8"),
+        (leaves, "SystemExit"),
+        (unsure_of_all, "confidence nan"),
+    ],
+)
+def test_a_treatment_that_asks_for_too_much_has_failed_and_others_go_on(think: Thinks, why: str) -> None:
+    world = World(Repertoire(bad=think, short=short))
+    bad = world.meet("bad", "bad")
+    world.meet("good", "short")
+    world.until(40_000)
+    assert len(world.scheduler.processes) == 0
+    assert "good done" in [says for _, says in world.ends()]
+    assert moves(world, bad)[-1] in (Trigger.FAIL, Trigger.RESOLVE)
+    assert any(why in line.record.detail for line in world.lines if isinstance(line.record, Noted))

@@ -8,7 +8,7 @@ import msgspec
 
 from wakeful.facts.events import Draft, Event, Undecodable, event_id
 from wakeful.facts.lines import Admitted, AnyRecord, Duplicate, Refused
-from wakeful.facts.time import Stamp
+from wakeful.facts.time import LARGEST_NS, LONGEST_S, Stamp
 
 #: A draft larger than this is not an event but a dump; it is refused and its source goes on.
 MAX_EVENT_BYTES = 64 * 1024
@@ -72,6 +72,10 @@ class Admission:
             )
         )
 
+    def reject(self, draft: Draft, reason: str) -> Refused:
+        """An event that cannot be admitted for a reason that lies outside it."""
+        return Refused(source=draft.source, position=draft.position, reason=reason, excerpt=draft.kind[:80])
+
     def refuse(self, undecodable: Undecodable) -> Refused:
         """An input that no observation could be made of."""
         return Refused(
@@ -99,10 +103,16 @@ class Admission:
 def _objection(draft: Draft) -> str:
     if not draft.kind:
         return "an event needs a kind"
+    if not draft.entity:
+        return "an event needs an entity: whom or what it is about"
+    if draft.condition is not None and not draft.condition.key:
+        return "a condition needs a key"
+    if abs(draft.at_ns) > LARGEST_NS:
+        return f"the instant {draft.at_ns} ns lies outside the years 1843 to 2096"
     if draft.criticality not in (0, 1, 2, 3):
         return f"criticality is {draft.criticality}; it must be 0, 1, 2 or 3"
-    if draft.deadline_s is not None and not (math.isfinite(draft.deadline_s) and draft.deadline_s > 0):
-        return f"deadline_s is {draft.deadline_s}; it must be a positive number of seconds"
+    if draft.deadline_s is not None and not 0 < draft.deadline_s <= LONGEST_S:
+        return f"deadline_s is {draft.deadline_s}; it must be a positive number of seconds, at most {LONGEST_S:g}"
     for name, value in (*draft.fields.items(), *draft.context.fields.items()):
         if isinstance(value, float) and not math.isfinite(value):
             return f"field {name!r} is {value}; numbers must be finite, leave the field out where it is unknown"

@@ -20,7 +20,7 @@ from wakeful.facts.events import Draft, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
 from wakeful.facts.lines import Line
-from wakeful.facts.time import to_ns
+from wakeful.facts.time import LARGEST_NS, to_ns
 from wakeful.journal.acts import ActSpool
 from wakeful.kernel import Kernel
 
@@ -234,7 +234,8 @@ class SimulatedDriver:
 
 
 def _source_ns(item: Item) -> int | None:
-    if isinstance(item, Observation | Draft | Evidence | Outcome):
+    """The item's own time; None where it has none, or one that no clock shows."""
+    if isinstance(item, Observation | Draft | Evidence | Outcome) and abs(item.at_ns) <= LARGEST_NS:
         return item.at_ns
     return None
 

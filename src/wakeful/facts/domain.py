@@ -49,14 +49,17 @@ class DetectorSpec(Fact, frozen=True):
 class OutcomeSpec(Fact, frozen=True):
     """What the world may show later, and for how long a result waits for it.
 
-    ``labels[0]`` is what an unbroken window without any outcome means (usually ``none``).
-    ``scope``: ``entity`` matches outcomes of the event's own entity (and of ``*``), ``robot`` any outcome of the robot.
+    ``labels[0]`` is what an unbroken window without any outcome means (usually ``none``). ``gap_s``: a source that is not
+    heard for longer was not recording then, and windows over such a stretch stay undecided; None for sources that speak
+    only when something happens. ``scope``: ``entity`` matches outcomes of the event's own entity (and of ``*``), ``robot``
+    any outcome of the robot.
     """
 
     topic: str = "outcome"
     labels: tuple[str, ...] = ("none", "intervention")
     within_s: float = 60.0
     scope: str = "entity"
+    gap_s: float | None = None
 
 
 class OutcomeSource(Fact, frozen=True):

@@ -14,18 +14,23 @@ class MindSettings(Fact, frozen=True):
     ``keep_evidence_s``: for how long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so
     many processes are reopened by one contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at
     once, the others queue by priority (0: no limit). ``keep_events``: completed events kept in memory for late outcomes and
-    reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the share
-    of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
+    reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the
+    share of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
+    ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
+    processes; one that wants more has failed.
     """
 
     slots: int = 1
     reasoner_slots: int = 0
     step_s: float = 0.02
     slotted: bool = False
+    max_steps: int = 10_000
+    max_requests: int = 256
+    max_depth: int = 8
     seed: int = 0
     keep_evidence_s: float = 30.0
     reopen_limit: int = 8
-    keep_events: int = 50_000
+    keep_events: int = 10_000
     nearest: int = 3
     primary_share: float = 0.0
     primary_quantum_s: float = 0.1

@@ -6,6 +6,12 @@ from wakeful.facts.values import Fact
 
 NS_PER_S = 1_000_000_000
 
+#: The longest deadline or wait: about thirty years. Beyond it a number of seconds is a mistake, and nanoseconds overflow.
+LONGEST_S = 1e9
+
+#: Instants lie within this many nanoseconds of 1970 (the years 1843 to 2096): what a signed 64-bit journal can hold with room.
+LARGEST_NS = 4_000_000_000_000_000_000
+
 
 def to_ns(seconds: float) -> int:
     """Seconds as whole nanoseconds, rounded to nearest."""

@@ -138,11 +138,28 @@ class Coroutines:
             if not isinstance(stop.value, Result):
                 raise Failure(f"it returned {type(stop.value).__name__}, not a Result") from None
             return stop.value
-        except Exception as error:  # a user's code may raise anything; whatever it is, the event keeps its process
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # a user's code may raise anything, SystemExit too; the event keeps its process
             raise Failure(f"{type(error).__name__}: {error}"[:500]) from error
         if not isinstance(want, Work | Want):
             raise Failure(f"it awaited {type(want).__name__}, which is not the mind's")
         return want
+
+
+def objection(result: Result) -> str:
+    """What is wrong with a result, whatever its treatment; empty where nothing is.
+
+    >>> objection(Unresolved(says="x", confidence=float("nan"), failure="y"))
+    'its result has confidence nan; it must lie in [0, 1]'
+    """
+    if not 0.0 <= result.confidence <= 1.0:
+        return f"its result has confidence {result.confidence}; it must lie in [0, 1]"
+    if result.forecast is not None:
+        shares = (result.forecast.probability, *result.forecast.probabilities.values())
+        if not all(0.0 <= share <= 1.0 for share in shares):
+            return f"its forecast has a probability outside [0, 1]: {shares}"
+    return ""
 
 
 def _warm(process: Process) -> Coroutine[object, object, Result]:

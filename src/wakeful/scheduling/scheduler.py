@@ -20,9 +20,9 @@ from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Concluded, Cr
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.facts.results import Result, Unresolved
 from wakeful.facts.settings import MindSettings
-from wakeful.facts.time import to_ns
+from wakeful.facts.time import LONGEST_S, to_ns
 from wakeful.facts.values import NOTHING, Raw
-from wakeful.scheduling.driving import EXPIRED, Coroutines, Failure, Mismatch, Step
+from wakeful.scheduling.driving import EXPIRED, Coroutines, Failure, Mismatch, Step, objection
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.process import Process
 from wakeful.scheduling.process_set import ProcessSet
@@ -240,6 +240,10 @@ class Scheduler:
         """Run the coroutine on until it works, waits or ends. ``run`` gives its next want."""
         step = self._attempt(process, run)
         while step is not None:
+            excess = self._excess(process, step)
+            if excess:
+                self._fail(process, excess)
+                return
             if isinstance(step, Work):
                 process.want = step
                 return
@@ -247,6 +251,30 @@ class Scheduler:
                 self._conclude(process, step)
                 return
             step = self._ask(process, step)
+
+    def _excess(self, process: Process, step: Step) -> str:
+        """What is wrong with a want or a result, so that the attempt has failed; empty where nothing is."""
+        own = self._host.settings
+        if isinstance(step, Result):
+            return objection(step)
+        if isinstance(step, Work):
+            spent = process.steps + process.ran - process.base_steps + step.left
+            return f"it wanted {spent} steps of work in all; at most {own.max_steps} are given" if spent > own.max_steps else ""
+        if step.within_s is not None and not step.within_s <= LONGEST_S:
+            return f"it wanted to wait {step.within_s} s for {step.kind}; every wait needs a limit of at most {LONGEST_S:g} s"
+        if process.pending is None and process.next_seq - process.base_seq > own.max_requests:
+            return f"it made more than {own.max_requests} requests"
+        if step.kind is Kind.TREAT and self._depth(process) >= own.max_depth:
+            return f"its children were nested deeper than {own.max_depth}"
+        return ""
+
+    def _depth(self, process: Process) -> int:
+        depth = 0
+        above = self.processes.get(process.parent)
+        while above is not None:
+            depth += 1
+            above = self.processes.get(above.parent)
+        return depth
 
     def _attempt(self, process: Process, run: Callable[[], Step]) -> Step | None:
         try:

@@ -120,9 +120,17 @@ class Validation:
         decisive = self._judge(entry, first, "the outcome came before the result was concluded")
         return [decisive, *(self._late(entry, other, first.label) for other in later if other.label != first.label)]
 
-    def close(self, now_ns: int) -> list[Judged]:
-        """The verdicts on forecasts whose window has closed: ``labels[0]`` over an unbroken recording, else undecided."""
-        return [self._closed(entry) for entry in self._ledger.closed(now_ns)]
+    def close(self, now_ns: int, source: str = "") -> list[Judged]:
+        """The verdicts on forecasts whose window has closed: ``labels[0]`` over an unbroken recording, else undecided.
+
+        ``source`` confines it to the forecasts on that source's events.
+        """
+        return [self._closed(entry) for entry in self._ledger.closed(now_ns) if source in ("", entry.source)]
+
+    def broken(self, since_ns: int, source: str) -> list[Judged]:
+        """The verdicts on a source's forecasts whose window reaches beyond ``since_ns``, where its recording has a gap."""
+        concerned = [each for each in self._ledger.still_open() if each.source == source and each.closes_ns > since_ns]
+        return [self._undecided(entry, _GAP) for entry in concerned]
 
     def break_off(self, now_ns: int, source: str = "") -> list[Judged]:
         """The verdicts when a recording ended or broke: what had closed by then as ``close``, the rest undecided.
@@ -279,6 +287,7 @@ class Validation:
         )
 
 
+_GAP = "the recording has a gap within the window: what came in it is not known"
 _ENDED = "the recording ended or broke before the window closed"
 
 
