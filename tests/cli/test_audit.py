@@ -16,6 +16,7 @@ def test_a_sound_journal_passes_with_one_line_per_check(wakeful: Wakeful, journa
     assert result.exit_code == 0
     lines = result.stdout.splitlines()
     assert [line.split()[1] for line in lines if line.startswith("ok")] == [
+        "readable",
         "positions",
         "time",
         "conservation",

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from tests.journal.builder import Book, full_book, raw
 from tests.journal.strategies import any_lines
+from wakeful.contracts.journal import JournalError
 from wakeful.facts.asking import Kind
 from wakeful.facts.lines import (
     Admitted,
@@ -383,3 +384,29 @@ def test_the_audit_never_raises_on_typed_lines_in_any_order(lines: list[Line]) -
     report = audit(Pages(lines))
     assert report.lines == len(lines)
     assert report.ok == all(finding.count == 0 for finding in report.checks.values())
+
+
+class Torn(Pages):
+    """A journal whose lines cannot be read from some position on."""
+
+    def __init__(self, lines: list[Line], at: int) -> None:
+        super().__init__(lines)
+        self._at = at
+
+    def lines(self, after: int = 0) -> Iterator[Line]:
+        for line in super().lines(after):
+            if line.position == self._at:
+                raise JournalError(f"line {line.position} cannot be read")
+            yield line
+
+
+def test_a_line_that_cannot_be_read_is_the_offence_and_what_stands_before_it_is_audited() -> None:
+    lines = list(full_book().lines())
+    report = audit(Torn(lines, 30))
+    assert not report.ok
+    found = report.checks["readable"]
+    assert (found.ok, found.count, found.checked) == (False, 1, 29)
+    assert report.first_offender == found.first_offender
+    assert report.first_offender is not None
+    assert (report.first_offender.position, report.first_offender.record) == (30, "unreadable")
+    assert report.checks["positions"].checked == 29

@@ -16,6 +16,7 @@ from wakeful.cli.progress import Progress, Stop, stoppable
 from wakeful.cli.sources import Source, default_journal, find_source
 from wakeful.cli.summary import print_summary
 from wakeful.contracts.bridge import Item
+from wakeful.contracts.journal import JournalError
 from wakeful.contracts.reasoner import Reasoner, ReasonerError
 from wakeful.deliberation import REASONERS, SettingsError, from_environment
 from wakeful.deliberation import make as make_reasoner
@@ -147,7 +148,12 @@ def _drive(
     """Read the source to its end, to the limit of events, or until a stop is asked for. Returns the items that were done."""
     kernel, learner = assemble(source.domain, settings)
     pace = (lambda seconds: stop.pause(seconds / speed)) if speed else None
-    driver = SimulatedDriver(kernel, journal, reasoner, learner, pace, ActSpool(journal.path))
+    try:
+        driver = SimulatedDriver(kernel, journal, reasoner, learner, pace, ActSpool(journal.path))
+    except msgspec.DecodeError as error:
+        raise JournalError(
+            f"{journal.path} is damaged: it cannot be recovered from ({error}); restore it from a backup, or begin a new one"
+        ) from error
     progress = Progress(source.total)
     received = kernel.counts.received
     items = 0
@@ -191,7 +197,13 @@ def _was_asked(name: str, answer: Answered) -> bool:
     """Whether that reasoner was paid for the answer; one that failed is charged to whoever is asked now."""
     if answer.error or answer.kind is not Kind.DELIBERATE:
         return bool(answer.error)
-    return msgspec.json.decode(answer.value, type=Reply).reasoner.startswith(name)
+    try:
+        return msgspec.json.decode(answer.value, type=Reply).reasoner.startswith(name)
+    except msgspec.DecodeError as error:
+        raise JournalError(
+            f"request {answer.seq} of process {answer.process} has an answer that is none ({error}): the journal is damaged; "
+            "restore it from a backup, or begin a new one with --journal"
+        ) from error
 
 
 def _for_robot(items: Callable[[int], Iterable[Item]], robot: str) -> Callable[[int], Iterable[Item]]:

@@ -8,7 +8,7 @@ from wakeful.facts.lines import Line
 from wakeful.journal.checks.check import Check, Offence
 from wakeful.journal.checks.intake import Abandoned, Conservation, Coverage
 from wakeful.journal.checks.learned import Lineage, Verdicts, Weights
-from wakeful.journal.checks.order import Positions, Time
+from wakeful.journal.checks.order import Positions, ReadableLines, Time
 from wakeful.journal.checks.processes import Results, Transitions, Wakeups
 from wakeful.journal.checks.requests import Answers, Repeats
 from wakeful.journal.readable import Readable, View
@@ -64,7 +64,8 @@ class Audit(View, frozen=True):
 def audit(journal: Readable) -> Audit:
     """Walk a journal once and put every check to it.
 
-    A rule that holds only once a commit is whole is put each time kernel time goes on, and at the end.
+    A rule that holds only once a commit is whole is put each time kernel time goes on, and at the end. What stands after a line
+    that cannot be read is not looked at: the report says where that is.
 
     Args:
         journal: any journal; a running one is audited up to its last committed line.
@@ -75,9 +76,10 @@ def audit(journal: Readable) -> Audit:
     checks = [make() for make in CHECKS]
     if isinstance(journal, _WithBlobs):
         checks.append(Weights(journal.blob))
+    readable = ReadableLines()
     last: Line | None = None
     lines = 0
-    for line in journal.lines():
+    for line in readable.of(journal):
         if last is not None and line.at_ns != last.at_ns:
             for check in checks:
                 check.settle()
@@ -85,9 +87,10 @@ def audit(journal: Readable) -> Audit:
             check.see(line)
         last = line
         lines += 1
-    if last is not None:
+    if last is not None and not readable.offences:
         for check in checks:
             check.settle()
+    checks.insert(0, readable)
     return Audit(
         ok=not any(check.offences for check in checks),
         lines=lines,

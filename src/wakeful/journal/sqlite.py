@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,8 +13,9 @@ import apsw
 import msgspec
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import AnyRecord, Line
+from wakeful.facts.lines import Line
 from wakeful.journal.lock import FileLock
+from wakeful.journal.reading import Reading
 from wakeful.journal.schema import APPLICATION_ID, MIGRATIONS, VERSION
 
 if TYPE_CHECKING:
@@ -37,7 +39,6 @@ class SqliteJournal:
     def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True) -> None:
         self.path = path
         self._encode = msgspec.json.Encoder().encode
-        self._decode = msgspec.json.Decoder(AnyRecord).decode
         self._lock: FileLock | None = None
         if read_only and not path.is_file():
             raise JournalError(f"there is no journal at {path}; make one with `wakeful run --journal {path} SOURCE`")
@@ -46,6 +47,7 @@ class SqliteJournal:
             self._lock = FileLock(path)
         try:
             self._db = self._connect(read_only, full_sync)
+            self._reading = Reading(self._db, path)
             self._last = _number(self._db, "SELECT coalesce(max(position), 0) FROM lines")
         except apsw.Error as error:
             self._release()
@@ -150,8 +152,12 @@ class SqliteJournal:
         )
 
     def lines(self, after: int = 0) -> Iterator[Line]:
-        """The lines with position > ``after``, in order."""
-        return self._select("position > ?", [after])
+        """The lines with position > ``after``, in order.
+
+        Raises:
+            JournalError: the file is damaged; the message names the line.
+        """
+        return self._reading.lines("position > ?", [after])
 
     def lines_of(self, *, event: str | None = None, process: int | None = None, kinds: Sequence[str] = ()) -> Iterator[Line]:
         """The lines about an event or a process (or both), or of some kinds, in order; looked up by index."""
@@ -166,30 +172,39 @@ class SqliteJournal:
         if kinds:
             where.append(f"kind IN ({','.join('?' * len(kinds))})")
             values.extend(kinds)
-        return self._select(" AND ".join(where) or "1", values)
+        return self._reading.lines(" AND ".join(where) or "1", values)
 
-    def _select(self, where: str, values: Sequence[str | int]) -> Iterator[Line]:
-        query = f"SELECT position, at_ns, record FROM lines WHERE {where} ORDER BY position"
-        for position, at_ns, record in self._db.execute(query, values):
-            try:
-                yield Line(position, at_ns, self._decode(record))
-            except msgspec.DecodeError as error:
-                raise JournalError(f"line {position} of {self.path} cannot be read: {error}") from error
+    def snapshot(self) -> AbstractContextManager[None]:
+        """Within it everything is read as of one commit, whatever a writer adds meanwhile. For a journal opened to read.
+
+        Raises:
+            JournalError: the file is damaged.
+        """
+        return self._reading.snapshot()
+
+    def commits(self) -> Iterator[int]:
+        """The last position of each commit, in order: what was acknowledged as durable.
+
+        Raises:
+            JournalError: the file is damaged.
+        """
+        return self._reading.commits()
 
     def state(self) -> dict[str, bytes]:
-        """The keyed state as of the last commit."""
-        return dict(self._db.execute("SELECT key, value FROM state"))
+        """The keyed state as of the last commit.
+
+        Raises:
+            JournalError: the file is damaged.
+        """
+        return self._reading.state()
 
     def blob(self, name: str) -> bytes:
         """The bytes of a blob.
 
         Raises:
-            JournalError: there is none of that name.
+            JournalError: there is none of that name, or it cannot be read.
         """
-        row = self._db.execute("SELECT value FROM blobs WHERE name = ?", (name,)).fetchone()
-        if row is None:
-            raise JournalError(f"{self.path} has no blob {name}: the journal is incomplete, restore it from a backup")
-        return bytes(row[0])
+        return self._reading.blob(name)
 
     def close(self) -> None:
         """Release the file. Committed lines stay."""

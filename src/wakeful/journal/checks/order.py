@@ -1,9 +1,32 @@
-"""The journal itself: no line is missing, and kernel time never runs back."""
+"""The journal itself: every line can be read, none is missing, and kernel time never runs back."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from wakeful.contracts.journal import JournalError
 from wakeful.facts.lines import Line
-from wakeful.journal.checks.check import Check
+from wakeful.journal.checks.check import Check, Offence
+from wakeful.journal.readable import Readable
+
+
+class ReadableLines(Check):
+    """Every line can be read as what it says it is. It stands before the others, which see only what can be read."""
+
+    name = "readable"
+    says = "every line can be read"
+
+    def of(self, journal: Readable) -> Iterator[Line]:
+        """The journal's lines, up to the first that cannot be read."""
+        last = 0
+        try:
+            for line in journal.lines():
+                self.checked += 1
+                last = line.position
+                yield line
+        except JournalError as error:
+            self.offences += 1
+            self.first = Offence(position=last + 1, record="unreadable", says=str(error))
 
 
 class Positions(Check):
