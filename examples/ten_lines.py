@@ -4,7 +4,7 @@ import wakeful
 
 with wakeful.Mind("service_robot") as mind:
     receipt = mind.admit("object", "box 7", {"category": "obstacle", "state": "unstable", "location": "edge"}, criticality=2)
-    decided, concluded = mind.decision(receipt.event), mind.conclusion(receipt.event)
+    decided, result = mind.decision(receipt.event), mind.result(receipt.event)
     print(decided.decision.reasons[0] if decided else "still thinking")
-    print(concluded.treatment if concluded else "still thinking")
+    print(result.says if result else "still thinking")
     mind.outcome(receipt.event, "intervention")

@@ -13,7 +13,7 @@ async def main() -> None:
         draft = wakeful.Draft(kind="object", entity="pump 3", source="", position=0, at_ns=time.time_ns(), fields=fields)
         receipt = await mind.admit(draft)  # durable from here on
         print(receipt.status)
-        print((await mind.concluded(receipt.event)).treatment)
+        print(mind.kernel.result(await mind.concluded(receipt.event)).says)
 
 
 asyncio.run(main())

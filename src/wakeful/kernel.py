@@ -40,6 +40,7 @@ from wakeful.facts.lines import (
     TrainingAsked,
     Witnessed,
 )
+from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import Stamp, to_ns, to_s
 from wakeful.learning.counsel import Counsel
@@ -141,6 +142,10 @@ class Kernel:
     def source(self, name: str) -> SourceState | None:
         """What is known of a source: where to go on, or that it was finished."""
         return self._sources.get(name)
+
+    def result(self, concluded: Concluded) -> Result:
+        """A recorded result in its treatment's own type."""
+        return self._scheduler.result(concluded)
 
     def feed(self, inputs: Iterable[Input], now_ns: int, steps: int | None = None) -> Requests:
         """Take inputs at ``now_ns`` and say what is to be done.

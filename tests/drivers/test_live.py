@@ -193,6 +193,9 @@ def test_a_synchronous_program_gets_its_conclusion_at_once(tmp_path: Path) -> No
         concluded = mind.conclusion(receipt.event)
         assert concluded is not None
         assert mind.decision(receipt.event) is not None
+        result = mind.result(receipt.event)
+        assert result is not None
+        assert "box 7" in result.says
         mind.outcome(receipt.event, "intervention")
         with pytest.raises(ValueError, match="use one of none, intervention"):
             mind.outcome(receipt.event, "explosion")

@@ -21,6 +21,7 @@ from wakeful.facts.events import Context, Criticality, Draft
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Mark
 from wakeful.facts.lines import Admitted, Concluded, Decided, Duplicate, Line, Refused
+from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.values import Field
 from wakeful.journal import MemoryJournal, open_journal
@@ -149,6 +150,11 @@ class Mind:
     def conclusion(self, event: str) -> Concluded | None:
         """What was concluded of an event of this run; None while its process is open."""
         return self._concluded.get(event)
+
+    def result(self, event: str) -> Result | None:
+        """What was concluded of an event of this run, in its treatment's own type; None while its process is open."""
+        concluded = self._concluded.get(event)
+        return None if concluded is None else self._driver.kernel.result(concluded)
 
     def close(self) -> None:
         """Commit and let go of everything. What waits goes on in the next mind on the same journal."""

@@ -113,6 +113,10 @@ class Scheduler:
         self._settle()
         return process
 
+    def result(self, concluded: Concluded) -> Result:
+        """A recorded result in its treatment's own type."""
+        return self._coroutines.result(concluded.treatment, concluded.result)
+
     # --- time ---
 
     def next_due_ns(self) -> int | None:
