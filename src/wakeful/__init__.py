@@ -15,6 +15,7 @@ from wakeful.facts.asking import Query, Question, Reply
 from wakeful.facts.events import Context, Draft, Event, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.results import Forecast, Proposal, Result
+from wakeful.facts.values import Field
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.registry import Registry
 from wakeful.version import __version__
@@ -24,6 +25,7 @@ __all__ = [
     "Draft",
     "Event",
     "Evidence",
+    "Field",
     "Forecast",
     "LiveDriver",
     "Mind",
