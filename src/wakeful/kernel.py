@@ -24,6 +24,7 @@ from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
 from wakeful.facts.lines import (
+    GAP,
     Admitted,
     AnyRecord,
     Concluded,
@@ -218,16 +219,14 @@ class Kernel:
         if self._gap_ns is not None:
             heard_ns = source.heard_ns
             if heard_ns is not None and self._now_ns - heard_ns > self._gap_ns:
-                self.note("recording gap", f"{name} was not heard for {to_s(self._now_ns - heard_ns):.1f} s")
-                self._judge(self._validation.broken(heard_ns, name))
+                detail = f"{name} was not heard for {to_s(self._now_ns - heard_ns):.1f} s"
+                self.write(Noted(what=GAP, detail=detail, source=name))
             self._judge(self._validation.close(self._now_ns, name))
         source.heard_ns = self._now_ns
 
     def _refuse(self, undecodable: Undecodable) -> None:
-        """What could not be read may have been an outcome: windows that are open now stay undecided."""
         self._sources[undecodable.source].offered += 1
         self.write(self._admission.refuse(undecodable))
-        self._judge(self._validation.broken(self._now_ns, undecodable.source))
 
     def _offer(self, draft: Draft) -> None:
         """An event that was registered elsewhere: one that repeats or clears a condition joins it, if it is known."""

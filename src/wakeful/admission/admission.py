@@ -82,6 +82,7 @@ class Admission:
             source=undecodable.source,
             position=undecodable.position,
             reason=undecodable.reason,
+            unread=True,
             excerpt=undecodable.excerpt[:200],
         )
 

@@ -53,11 +53,12 @@ class Duplicate(Record, frozen=True):
 
 
 class Refused(Record, frozen=True):
-    """An input that could not be admitted, and why."""
+    """An input that could not be admitted, and why. ``unread``: nobody knows what it was; it may have been an outcome."""
 
     source: str
     position: int
     reason: str
+    unread: bool = False
     event: str = ""
     excerpt: str = ""
 
@@ -210,11 +211,16 @@ class Acted(Record, frozen=True):
     refused: str = ""
 
 
+#: What a Noted says of a stretch, ending then, in which its source was not recording.
+GAP = "recording gap"
+
+
 class Noted(Record, frozen=True):
     """Something a person should know: a clock that ran back, a gap, code that no longer matches its record."""
 
     what: str
     detail: str
+    source: str = ""
     process: int = 0
     event: str = ""
 

@@ -7,7 +7,20 @@ import msgspec
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, Verdict
-from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Finished, Gained, Judged, Moved, Opened, Witnessed
+from wakeful.facts.lines import (
+    Admitted,
+    AnyRecord,
+    Concluded,
+    Created,
+    Finished,
+    Gained,
+    Judged,
+    Moved,
+    Noted,
+    Opened,
+    Refused,
+    Witnessed,
+)
 from wakeful.facts.processes import State
 from wakeful.facts.time import to_ns
 from wakeful.validation.known import KnownEvents
@@ -62,6 +75,7 @@ class Validation:
         self._witnesses = Witnesses(spec.outcome.scope, keep_outcomes)
         self._events = KnownEvents(keep_forecasts)
         self._ended_ns: dict[str, int] = {}
+        self._broken_ns: dict[str, int] = {}
         self._next_experience = 1
         self._made = 0
         self._verdicts = dict.fromkeys(Verdict, 0)
@@ -91,6 +105,10 @@ class Validation:
                 self._ended_ns[source] = at_ns
             case Opened(source=source):
                 self._ended_ns.pop(source, None)
+            case Refused(source=source, unread=True):  # it may have been an outcome
+                self._broken_ns[source] = at_ns
+            case Noted(what=what, source=source) if what == GAP:
+                self._broken_ns[source] = at_ns
 
     def knows(self, outcome: str) -> bool:
         """Whether an outcome of that id was witnessed before: the same id counts once."""
@@ -126,11 +144,6 @@ class Validation:
         ``source`` confines it to the forecasts on that source's events.
         """
         return [self._closed(entry) for entry in self._ledger.closed(now_ns) if source in ("", entry.source)]
-
-    def broken(self, since_ns: int, source: str) -> list[Judged]:
-        """The verdicts on a source's forecasts whose window reaches beyond ``since_ns``, where its recording has a gap."""
-        concerned = [each for each in self._ledger.still_open() if each.source == source and each.closes_ns > since_ns]
-        return [self._undecided(entry, _GAP) for entry in concerned]
 
     def break_off(self, now_ns: int, source: str = "") -> list[Judged]:
         """The verdicts when a recording ended or broke: what had closed by then as ``close``, the rest undecided.
@@ -268,6 +281,9 @@ class Validation:
         ended_ns = self._ended_ns.get(entry.source)
         if ended_ns is not None and ended_ns < entry.closes_ns:
             return self._undecided(entry, _ENDED)
+        broken_ns = self._broken_ns.get(entry.source)
+        if broken_ns is not None and entry.since_ns + entry.offset_ns <= broken_ns:
+            return self._undecided(entry, _GAP)
         if not entry.heard_all:
             return self._undecided(entry, "outcomes of its window are no longer remembered")
         label = self._spec.labels[0]
@@ -287,7 +303,7 @@ class Validation:
         )
 
 
-_GAP = "the recording has a gap within the window: what came in it is not known"
+_GAP = "the recording has a gap within the window, or an input that could not be read: what came then is not known"
 _ENDED = "the recording ended or broke before the window closed"
 
 
