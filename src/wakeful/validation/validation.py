@@ -8,6 +8,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import (
+    GAP,
     Admitted,
     AnyRecord,
     Concluded,
