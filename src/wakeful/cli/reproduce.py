@@ -56,7 +56,7 @@ def reproduce_command(experiment: str, count: int | None, first_seed: int | None
     z is the distance from the paper's mean in units of its standard deviation, s.e. in standard errors of its ten-seed mean.
     """
     chosen = EXPERIMENTS[experiment]
-    seeds = _seeds(chosen.seeds, count, first_seed)
+    seeds = chosen_seeds(chosen.seeds, count, first_seed)
     bar = Bar(chosen.runs_per_seed * len(seeds))
     try:
         found = chosen.reproduce(seeds, bar.show)
@@ -73,7 +73,8 @@ def reproduce_command(experiment: str, count: int | None, first_seed: int | None
         say(f"written: {path}")
 
 
-def _seeds(own: tuple[int, ...], count: int | None, first_seed: int | None) -> tuple[int, ...]:
+def chosen_seeds(own: tuple[int, ...], count: int | None, first_seed: int | None) -> tuple[int, ...]:
+    """The experiment's own list, its beginning, or its continuation; or consecutive seeds from ``first_seed`` on."""
     if first_seed is not None:
         return tuple(range(first_seed, first_seed + (count if count is not None else len(own))))
     if count is None:
@@ -90,8 +91,9 @@ def _write(experiment: str, rows: list[Row], chosen: Experiment, out: Path) -> l
 
 
 def _print(rows: list[Row], seeds: tuple[int, ...]) -> None:
+    told = f"{len(seeds)} seed{'s' if len(seeds) > 1 else ''}"
     for name in sorted({each.table for each in rows}):
-        heading(f"Table {name}: mean ± sample standard deviation over {len(seeds)} seeds ({seeds[0]} to {seeds[-1]})")
+        heading(f"Table {name}: mean ± sample standard deviation over {told} ({_listed(seeds)})")
         table(_COLUMNS, table_cells([each for each in rows if each.table == name]), _COLUMNS[3:])
     compared = [each for each in rows if each.paper_mean is not None]
     within = [each for each in compared if each.z is not None and abs(each.z) <= 1.0]
@@ -102,3 +104,9 @@ def _print(rows: list[Row], seeds: tuple[int, ...]) -> None:
         "standard errors of the paper's ten-seed mean.",
         indent=0,
     )
+
+
+def _listed(seeds: tuple[int, ...]) -> str:
+    if len(seeds) > 2 and seeds == tuple(range(seeds[0], seeds[0] + len(seeds))):
+        return f"{seeds[0]} to {seeds[-1]}"
+    return ", ".join(str(seed) for seed in seeds)

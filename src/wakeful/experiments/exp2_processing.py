@@ -137,6 +137,12 @@ class ServiceLoadDomain:
 # --- one run ---
 
 
+def new_kernel(policy: Policy) -> Kernel:
+    """The product's kernel for this experiment: one slot, a step a second, steps begin on whole seconds."""
+    settings = MindSettings(slots=1, step_s=1.0, slotted=True, keep_evidence_s=float(2 * STEPS))
+    return Kernel(ServiceLoadDomain(), Registry(own=(paced,), installed=()), TwoHeads(), policy, settings)
+
+
 def run(world: tuple[Arrival, ...], policy: Policy, *, told: Told = "effort") -> MemoryJournal:
     """One run of the kernel over the world's events; returns its journal.
 
@@ -145,8 +151,7 @@ def run(world: tuple[Arrival, ...], policy: Policy, *, told: Told = "effort") ->
         policy: fresh.
         told: what the events say of their effort; a live robot's say nothing but their kind.
     """
-    settings = MindSettings(slots=1, step_s=1.0, slotted=True, keep_evidence_s=float(2 * STEPS))
-    kernel = Kernel(ServiceLoadDomain(), Registry(own=(paced,), installed=()), TwoHeads(), policy, settings)
+    kernel = new_kernel(policy)
     journal = MemoryJournal()
     coming: dict[int, list[Input]] = {0: [Begin(source=SOURCE, digest=SOURCE)]}
     for position, arrival in enumerate(world):
@@ -324,8 +329,9 @@ def limit(load: Load, parameters: Parameters, seed: int) -> Measured:
 
 # --- all runs ---
 
-#: The project's ten seeds. They were not picked: the means of their event counts lie within 3 % of the paper's as they are.
-SEEDS = tuple(range(10))
+#: The project's ten seeds: of the first 200, those whose worlds together are the most typical in what they contain (events,
+#: critical, delayed and task-relevant ones, work, deadlines that can be met at all). No policy had run on any of them then.
+SEEDS = (54, 59, 81, 108, 135, 137, 177, 179, 191, 196)
 
 PARAMETER_SETS = (FIRST, SECOND)
 

@@ -92,7 +92,7 @@ FIRST = Parameters(
 SECOND = Parameters(
     name="second",
     loads=_loads(
-        0.26, 0.47, Load(name="bursty_delayed", rate=_BURSTY_RATE, critical=0.31, delayed=0.92, bursts=6, burst_steps=15)
+        0.26, 0.47, Load(name="bursty_delayed", rate=_BURSTY_RATE, critical=0.30, delayed=0.94, bursts=6, burst_steps=20)
     ),
     suffix="_2",
     work=(3, 7),
@@ -120,10 +120,12 @@ def arrivals(load: Load, parameters: Parameters, seed: int) -> tuple[Arrival, ..
 def _steps(load: Load, random: Random) -> list[int]:
     steps = [step for step in range(NOMINAL_STEPS) if random.random() < load.rate]
     for burst in range(load.bursts):
+        events, place = random.randint(*load.burst_events), random.random()
+        spread = [random.random() for _ in range(events)]
         first = burst * NOMINAL_STEPS // load.bursts
         last = (burst + 1) * NOMINAL_STEPS // load.bursts - load.burst_steps
-        begins = random.randint(first, last)
-        steps += [begins + random.randrange(load.burst_steps) for _ in range(random.randint(*load.burst_events))]
+        begins = first + int(place * (last - first + 1))
+        steps += [begins + int(each * load.burst_steps) for each in spread]
     return sorted(steps)
 
 
