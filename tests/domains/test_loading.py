@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from wakeful import domains
 from wakeful.contracts.bridge import Peek
 from wakeful.domains import DomainError, load, names, recognise
 from wakeful.domains.recognition import score
-from wakeful.domains.toml import parse_spec
+from wakeful.domains.toml import KNOWLEDGE, parse_spec
 from wakeful.facts.domain import Recognise
 
 GOOD = """
@@ -48,6 +49,55 @@ def test_a_users_folder_brings_detectors_and_a_simulator(tmp_path: Path) -> None
     simulated = domain.simulate(7)
     assert simulated is not None
     assert next(simulated) == 7
+
+
+BUILT_IN = Path(domains.__file__).parent
+
+
+@pytest.mark.parametrize("path", sorted(BUILT_IN.glob("*/domain.toml")), ids=lambda path: path.parent.name)
+def test_a_built_in_domain_is_under_sixty_lines_that_a_person_can_read(path: Path) -> None:
+    assert len(path.read_text().splitlines()) < 60
+    known = path.with_name(KNOWLEDGE)
+    lines = [*path.read_text().splitlines(), *(known.read_text().splitlines() if known.is_file() else [])]
+    assert max(len(line) for line in lines) <= 200
+
+
+KNOWN = """
+[[guideline]]
+treat = "memory"
+because = "it may be light"
+when = { load = "<1" }
+[[fault]]
+name = "worn"
+prior = 0.1
+causes = { odd = 0.5 }
+"""
+
+
+def test_what_is_known_may_stand_in_a_file_beside_the_domain(tmp_path: Path) -> None:
+    (tmp_path / "domain.toml").write_text(GOOD)
+    (tmp_path / KNOWLEDGE).write_text(KNOWN)
+    for path in (tmp_path, tmp_path / "domain.toml"):
+        spec = load(str(path)).spec
+        assert ([each.treat for each in spec.guideline], [each.name for each in spec.fault]) == (["memory"], ["worn"])
+        assert spec.detect[0].kind == "odd"
+
+
+@pytest.mark.parametrize(
+    ("domain", "known", "says"),
+    [
+        (GOOD, KNOWN.replace("prior = 0.1", "prior = 7.0"), r"knowledge\.toml: fault worn: prior 7\.0 is not a probability"),
+        (GOOD, KNOWN.replace("load =", "lod ="), r"knowledge\.toml: guideline 1 \(memory\): when\.lod: no such field"),
+        (GOOD, KNOWN + "[[detect]]\ndetector = 'band'\nkind = 'x'\n", r"knowledge\.toml: Object contains unknown field `detect`"),
+        (GOOD + KNOWN, KNOWN, r"knowledge\.toml: guideline: domain\.toml has this table too"),
+        (GOOD.replace("high = 2.0", "high = -1.0"), KNOWN, r"domain\.toml: fields\.load: low"),
+    ],
+)
+def test_a_mistake_names_the_one_of_the_two_files_that_has_it(tmp_path: Path, domain: str, known: str, says: str) -> None:
+    (tmp_path / "domain.toml").write_text(domain)
+    (tmp_path / KNOWLEDGE).write_text(known)
+    with pytest.raises(DomainError, match=says):
+        load(str(tmp_path))
 
 
 def test_an_unknown_name_is_answered_with_the_names_there_are() -> None:

@@ -4,42 +4,92 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import TypeVar
 
 import msgspec
 
 from wakeful.contracts.domain import DomainError
-from wakeful.facts.domain import DetectorSpec, DomainSpec, FieldSpec, Guideline, Hazard, OutcomeSpec, Scalar
+from wakeful.facts.domain import (
+    Cause,
+    DetectorSpec,
+    DomainSpec,
+    Fault,
+    FieldSpec,
+    Guideline,
+    Hazard,
+    OutcomeSpec,
+    Route,
+    Scalar,
+)
+from wakeful.facts.values import Fact
+
+Declared = TypeVar("Declared", "DomainSpec", "Knowledge")
 
 EVENT_WORDS = ("kind", "relation", "entity", "task", "zone", "safety", "criticality", "condition")
 """What a ``when`` may name beside the domain's own fields."""
 
 
+KNOWLEDGE = "knowledge.toml"
+"""The file beside a folder's ``domain.toml`` that may hold the tables of what is known, apart from what can be seen."""
+
+
+class Knowledge(Fact, frozen=True):
+    """What ``knowledge.toml`` may say: the tables of a DomainSpec that a person who knows the robots writes down."""
+
+    guideline: tuple[Guideline, ...] = ()
+    hazard: tuple[Hazard, ...] = ()
+    fault: tuple[Fault, ...] = ()
+    cause: tuple[Cause, ...] = ()
+    route: tuple[Route, ...] = ()
+
+
 def read_spec(path: Path) -> DomainSpec:
-    """The domain that a TOML file declares.
+    """The domain that a TOML file declares, with the tables of ``knowledge.toml`` where the file is a folder's ``domain.toml``.
 
     Returns:
         The checked data: every label, field and probability that one table names in another is there and in range.
 
     Raises:
-        DomainError: the file is absent, is not TOML, has an unknown or missing field, or contradicts itself.
+        DomainError: a file is absent, is not TOML, has an unknown or missing field, or contradicts itself or the other.
     """
-    try:
-        text = path.read_bytes()
-    except OSError as error:
-        raise DomainError(f"{path}: cannot be read ({error.strerror or error}); give the path of a domain's TOML file") from error
-    return parse_spec(text, str(path))
+    spec = _decoded(_text(path), str(path), DomainSpec)
+    beside = path.with_name(KNOWLEDGE)
+    if path.name != "domain.toml" or not beside.is_file():
+        return _checked(spec, str(path))
+    known = msgspec.structs.asdict(_decoded(_text(beside), str(beside), Knowledge))
+    tables = {name: rows for name, rows in known.items() if rows}
+    for name in tables:
+        if getattr(spec, name):
+            raise DomainError(f"{beside}: {name}: {path.name} has this table too; keep it in one of the two")
+    return _checked(msgspec.structs.replace(spec, **tables), str(path), dict.fromkeys(tables, str(beside)))
 
 
 def parse_spec(text: bytes | str, where: str) -> DomainSpec:
     """The domain that TOML text declares; ``where`` names it in errors. Raises DomainError as `read_spec` does."""
+    return _checked(_decoded(text, where, DomainSpec), where)
+
+
+def _text(path: Path) -> bytes:
     try:
-        spec = msgspec.toml.decode(text, type=DomainSpec)
+        return path.read_bytes()
+    except OSError as error:
+        raise DomainError(f"{path}: cannot be read ({error.strerror or error}); give the path of a domain's TOML file") from error
+
+
+def _decoded(text: bytes | str, where: str, kind: type[Declared]) -> Declared:
+    try:
+        return msgspec.toml.decode(text, type=kind)
     except msgspec.ValidationError as error:
         raise DomainError(f"{where}: {error}; see the fields of DomainSpec in wakeful.facts.domain") from error
     except (msgspec.DecodeError, UnicodeDecodeError, ValueError) as error:
         raise DomainError(f"{where}: not TOML ({error}); correct that line") from error
+
+
+def _checked(spec: DomainSpec, where: str, elsewhere: Mapping[str, str] = MappingProxyType({})) -> DomainSpec:
+    """``spec``, or an error that names the file of the mistake: ``elsewhere`` gives the tables that another file declares."""
     for place, wrong, remedy in _mistakes(spec):
-        raise DomainError(f"{where}: {place}: {wrong}; {remedy}")
+        raise DomainError(f"{elsewhere.get(place.split()[0], where)}: {place}: {wrong}; {remedy}")
     return spec
 
 

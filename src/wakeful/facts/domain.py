@@ -18,13 +18,16 @@ class FieldSpec(Fact, frozen=True):
     ``size`` is the length of a numeric vector (a trace, a descriptor) whose every number is scaled so.
     ``channel`` names a channel whose last value stands in the context of every event under the field's name, ``since`` one
     whose seconds since its last change do; both may use ``{number}``, the number in the name of the event's entity.
+    ``meaning`` says what the field stands for: it is a glossary for people, never a statement about an event. ``compared``:
+    whether events are compared by it; not where it is a detector's book-keeping (how far out of its band a value is).
     """
 
     values: tuple[str, ...] = ()
     low: float = 0.0
     high: float = 1.0
     size: int = 1
-    says: str = ""
+    meaning: str = ""
+    compared: bool = True
     channel: str = ""
     since: str = ""
 

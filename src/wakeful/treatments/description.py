@@ -29,7 +29,6 @@ class Attribute(Fact, frozen=True):
     value: Field
     usual: Field = None
     as_usual: bool | None = None
-    says: str = ""
 
 
 class SceneEntry(Fact, frozen=True):
@@ -101,7 +100,6 @@ async def description(event: Event, mind: Mind) -> Description:
 
 
 def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -> Attribute:
-    spec = domain.fields.get(name)
     # a vector has no usual value; numbers and words do
     usual = None if isinstance(value, tuple) else typical(past)
     as_usual = (
@@ -112,7 +110,7 @@ def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -
     if number(value) is not None and as_usual is False:
         known = [each for each in (number(item) for item in past) if each is not None]
         as_usual = bool(known) and min(known) <= (number(value) or 0.0) <= max(known)
-    return Attribute(name=name, value=plain(value), usual=usual, as_usual=as_usual, says="" if spec is None else spec.says)
+    return Attribute(name=name, value=plain(value), usual=usual, as_usual=as_usual)
 
 
 def _what(event: Event, scene: SceneEntry) -> str:
