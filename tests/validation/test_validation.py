@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.validation.bench import LABELS, WITHIN_S, Bench, kernel_ns, ns, outcome, spec
@@ -281,6 +281,7 @@ def play(
 
 
 @settings(max_examples=150, deadline=None)
+@example(steps=[("event", 0, "lift", "none", 0), ("outcome", 61, "lift", "none", 2), ("outcome", 61, "lift", "intervention", 1)])
 @given(STEPS)
 def test_whatever_the_order_of_arrival_the_first_outcome_in_source_time_decides(
     steps: list[tuple[str, int, str, str, int]],

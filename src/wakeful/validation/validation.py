@@ -243,10 +243,13 @@ class Validation:
         """What one outcome says of one forecast, given what is known of it already."""
         if entry.verdict is None:
             return self._judge(entry, outcome, "came late but lies inside the window" if entry.closes_ns < now_ns else "")
-        if outcome.id == entry.decided_by or outcome.id in entry.overruled or outcome.label == entry.shown:
+        if outcome.id == entry.decided_by or outcome.id in entry.overruled:
             return None
         if not _supersedes(outcome, entry):
-            return self._late(entry, outcome, entry.shown)
+            return None if outcome.label == entry.shown else self._late(entry, outcome, entry.shown)
+        if outcome.label == entry.shown:
+            # Recorded although it changes no verdict: what comes later still, but lies between the two, must not supersede it.
+            return self._judge(entry, outcome, "came late and bears out what was judged")
         if entry.decided_by:
             return self._judge(entry, outcome, f"came late but lies before the outcome {entry.shown!r}: supersedes it")
         return self._judge(entry, outcome, "came late but lies inside the window: supersedes what its close said")
