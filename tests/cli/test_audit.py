@@ -20,6 +20,7 @@ def test_a_sound_journal_passes_with_one_line_per_check(wakeful: Wakeful, journa
         "positions",
         "time",
         "conservation",
+        "identities",
         "coverage",
         "abandoned",
         "transitions",
@@ -27,9 +28,15 @@ def test_a_sound_journal_passes_with_one_line_per_check(wakeful: Wakeful, journa
         "wake-ups",
         "answers",
         "repeats",
+        "gates",
         "verdicts",
+        "trust",
         "lineage",
         "weights",
+        "whole",
+    ]
+    assert [line for line in lines if line.startswith("skip")] == [
+        "skip    offered               0 checked  it was not counted what was offered when this journal was written"
     ]
     assert "nothing was ignored" in lines[-1]
 

@@ -216,18 +216,22 @@ class Book:
         if not gain:
             return 0
         self._experiences += 1
+        concluded = next(
+            (line.record for line in self.written if isinstance(line.record, Concluded) and line.record.process == process), None
+        )
+        treatment = concluded.treatment if concluded else "diagnosis"
         self.write(
             Gained(
                 experience=Experience(
                     id=self._experiences,
                     event=event,
                     process=process,
-                    treatment="diagnosis",
-                    treatment_label="diagnosis" if verdict is Verdict.SUPPORTED else "",
+                    treatment=treatment,
+                    treatment_label=treatment if verdict is Verdict.SUPPORTED else "",
                     predicted=predicted,
                     outcome=label,
                     verdict=verdict,
-                    mode="delib",
+                    mode=concluded.mode if concluded else "delib",
                 )
             )
         )

@@ -13,6 +13,7 @@ from tests.journal.builder import Book, full_book, raw
 from tests.journal.strategies import any_lines
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.asking import Kind
+from wakeful.facts.experience import Verdict
 from wakeful.facts.lines import (
     Admitted,
     Answered,
@@ -26,9 +27,12 @@ from wakeful.facts.lines import (
     Judged,
     Line,
     Moved,
+    Opened,
     Published,
     Refused,
     TrainingAsked,
+    Trusted,
+    Witnessed,
 )
 from wakeful.facts.processes import State, Trigger
 from wakeful.journal.audit import CHECKS, audit
@@ -276,10 +280,94 @@ def _version_twice(lines: list[Line]) -> list[Line]:
     return changed(lines, index, card=replace(record.card, version=1))
 
 
+def _another_id(lines: list[Line]) -> list[Line]:
+    index = first(lines, Admitted)
+    record = lines[index].record
+    assert isinstance(record, Admitted)
+    return changed(lines, index, event=replace(record.event, id="0" * 20))
+
+
+def _from_a_source_never_opened(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Opened), source="elsewhere")
+
+
+def _automatic_below(**numbers: float) -> Corrupt:
+    def corrupt(lines: list[Line]) -> list[Line]:
+        index = next(
+            index for index, line in enumerate(lines) if isinstance(line.record, Decided) and line.record.decision.mode == "auto"
+        )
+        decision = lines[index].record.decision  # type: ignore[union-attr]
+        return changed(lines, index, decision=replace(decision, gate=replace(decision.gate, **numbers)))
+
+    corrupt.__name__ = f"automatic_with_{next(iter(numbers))}_{next(iter(numbers.values()))}"
+    return corrupt
+
+
+def _concluded_in_another_mode(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Concluded), mode="auto")
+
+
+def _concluded_by_another_treatment(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Concluded), treatment="comparison")
+
+
+def _trust_from_elsewhere(lines: list[Line]) -> list[Line]:
+    index = first(lines, Trusted)
+    return inserted(lines, index + 1, lines[index].record)
+
+
+def _trust_out_of_bounds(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Trusted), after=1.5)
+
+
+def _trust_for_no_experience(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Trusted), experience=99)
+
+
+def _another_verdict(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Judged), verdict=Verdict.SUPPORTED)
+
+
+def _another_label_than_the_outcomes(lines: list[Line]) -> list[Line]:
+    return changed(lines, first(lines, Judged), label="none", verdict=Verdict.SUPPORTED)
+
+
+def _by_an_outcome_before_the_event(lines: list[Line]) -> list[Line]:
+    index = first(lines, Witnessed)
+    return changed(lines, index, outcome=replace(lines[index].record.outcome, at_ns=0))  # type: ignore[union-attr]
+
+
+def _by_its_window_before_it_closed(lines: list[Line]) -> list[Line]:
+    index = first(lines, Judged, outcome="")
+    process = lines[index].record.process  # type: ignore[union-attr]
+    return changed(lines, first(lines, Concluded, process=process), closes_ns=10**15)
+
+
+def _by_its_window_after_an_outcome(lines: list[Line]) -> list[Line]:
+    index = first(lines, Judged)
+    record = lines[index].record
+    return inserted(lines, len(lines), replace(record, outcome="", label="none", verdict=Verdict.SUPPORTED))
+
+
+def _experience_of_another_mode(lines: list[Line]) -> list[Line]:
+    index = first(lines, Gained)
+    return changed(lines, index, experience=replace(lines[index].record.experience, mode="auto"))  # type: ignore[union-attr]
+
+
 CORRUPTIONS: dict[str, list[Corrupt]] = {
     "positions": [_gap],
     "time": [_time_runs_back],
     "conservation": [_admitted_twice, _duplicate_of_nothing, _refused_without_reason, _refused_though_admitted],
+    "identities": [_another_id, _from_a_source_never_opened],
+    "gates": [
+        _automatic_below(confidence=0.1),
+        _automatic_below(novelty=0.99),
+        _automatic_below(trust=0.1),
+        _automatic_below(confidence=float("nan")),
+        _concluded_in_another_mode,
+        _concluded_by_another_treatment,
+    ],
+    "trust": [_trust_from_elsewhere, _trust_out_of_bounds, _trust_for_no_experience],
     "coverage": [_never_created, _never_decided],
     "abandoned": [_abandoned],
     "transitions": [_illegal_transition, _wrong_before, _lost_steps, _created_twice, _orphan, _reopens_the_open],
@@ -294,6 +382,12 @@ CORRUPTIONS: dict[str, list[Corrupt]] = {
         _experience_from_nowhere,
         _experience_unlike_its_verdict,
         _experience_lost,
+        _another_verdict,
+        _another_label_than_the_outcomes,
+        _by_an_outcome_before_the_event,
+        _by_its_window_before_it_closed,
+        _by_its_window_after_an_outcome,
+        _experience_of_another_mode,
     ],
     "lineage": [
         _model_from_nowhere,

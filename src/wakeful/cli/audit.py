@@ -33,8 +33,8 @@ def audit_command(context: click.Context, journal: Path | None, as_json: bool) -
 def _print(report: Audit) -> None:
     widest = max(len(name) for name in report.checks)
     for name, finding in report.checks.items():
-        verdict = "ok    " if finding.ok else "FAILED"
-        text = f"{verdict}  {name.ljust(widest)}  {finding.checked:>9,} checked  {finding.says}"
+        verdict = "FAILED" if not finding.ok else "skip  " if finding.skipped else "ok    "
+        text = f"{verdict}  {name.ljust(widest)}  {finding.checked:>9,} checked  {finding.skipped or finding.says}"
         say(text[: width()] if on_terminal() else text, fg=None if finding.ok else "red")
         if finding.first_offender:
             offender = finding.first_offender

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, nullcontext
 from typing import Protocol, runtime_checkable
 
 from wakeful.facts.lines import Line
 from wakeful.journal.checks.check import Check, Offence
+from wakeful.journal.checks.decisions import Gates, Trust
+from wakeful.journal.checks.identities import Identities
 from wakeful.journal.checks.intake import Abandoned, Conservation, Coverage
-from wakeful.journal.checks.learned import Lineage, Verdicts, Weights
+from wakeful.journal.checks.learned import Lineage, Weights
 from wakeful.journal.checks.order import Positions, ReadableLines, Time
 from wakeful.journal.checks.processes import Results, Transitions, Wakeups
 from wakeful.journal.checks.requests import Answers, Repeats
+from wakeful.journal.checks.verdicts import Verdicts
+from wakeful.journal.checks.whole import Offered, Whole
 from wakeful.journal.readable import Readable, View
 
 #: The checks, in the order of the report. To add one is to write it and name it here.
@@ -18,6 +24,7 @@ CHECKS: tuple[type[Check], ...] = (
     Positions,
     Time,
     Conservation,
+    Identities,
     Coverage,
     Abandoned,
     Transitions,
@@ -25,7 +32,9 @@ CHECKS: tuple[type[Check], ...] = (
     Wakeups,
     Answers,
     Repeats,
+    Gates,
     Verdicts,
+    Trust,
     Lineage,
 )
 
@@ -37,14 +46,31 @@ class _WithBlobs(Protocol):
     def blob(self, name: str) -> bytes: ...
 
 
+@runtime_checkable
+class _WithState(Protocol):
+    """A journal that keeps state beside its lines, as every Journal does."""
+
+    def state(self) -> dict[str, bytes]: ...
+
+
+@runtime_checkable
+class _WithCommits(Protocol):
+    """A journal on disk, which other processes may write meanwhile, and which says what each commit added."""
+
+    def snapshot(self) -> AbstractContextManager[None]: ...
+
+    def commits(self) -> Iterator[int]: ...
+
+
 class Finding(View, frozen=True):
-    """What one check found. ``count`` is of offences, ``checked`` of what the rule was put to."""
+    """What one check found. ``count`` is of offences, ``checked`` of what the rule was put to, ``skipped`` why to nothing."""
 
     ok: bool
     count: int
     checked: int
     says: str
     first_offender: Offence | None = None
+    skipped: str = ""
 
 
 class Audit(View, frozen=True):
@@ -73,10 +99,19 @@ def audit(journal: Readable) -> Audit:
     Returns:
         the report. Nothing is raised on a journal that is wrong: that is what the report is for.
     """
+    with journal.snapshot() if isinstance(journal, _WithCommits) else nullcontext():
+        return _audit(journal)
+
+
+def _audit(journal: Readable) -> Audit:
+    readable = ReadableLines()
     checks = [make() for make in CHECKS]
     if isinstance(journal, _WithBlobs):
         checks.append(Weights(journal.blob))
-    readable = ReadableLines()
+    if isinstance(journal, _WithState):
+        checks.append(Offered(journal.state))
+    if isinstance(journal, _WithCommits):
+        checks.append(Whole(journal.commits()))
     last: Line | None = None
     lines = 0
     for line in readable.of(journal):
@@ -87,9 +122,10 @@ def audit(journal: Readable) -> Audit:
             check.see(line)
         last = line
         lines += 1
-    if last is not None and not readable.offences:
+    if not readable.offences:
         for check in checks:
             check.settle()
+            check.end()
     checks.insert(0, readable)
     return Audit(
         ok=not any(check.offences for check in checks),
@@ -101,6 +137,7 @@ def audit(journal: Readable) -> Audit:
                 checked=check.checked,
                 says=check.says,
                 first_offender=check.first,
+                skipped=check.skipped,
             )
             for check in checks
         },

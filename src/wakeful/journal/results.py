@@ -27,13 +27,17 @@ def in_words(value: Value, digits: int = 3) -> str:
 
     >>> in_words({"joint": "J3", "current_a": 2.34567, "ok": False})
     'joint = J3, current_a = 2.35, ok = no'
+    >>> in_words([18_812.4, 99.96])
+    '18800, 100'
     """
     if value is None:
         return "unknown"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):
-        return f"{value:.{digits}g}"
+        rounded = float(f"{value:.{digits}g}")
+        # written out where a person would: 18800, not 1.88e+04
+        return f"{rounded:.0f}" if 100 <= abs(rounded) < 1e9 else f"{rounded:.{digits}g}"
     if isinstance(value, dict):
         return ", ".join(f"{name} = {in_words(entry, digits)}" for name, entry in value.items())
     if isinstance(value, list | tuple):

@@ -18,7 +18,7 @@ class Check:
     """The frame of a check. An author fills ``see``, and ``settle`` where a rule holds only once a commit is whole.
 
     ``name`` is what the report calls it, ``says`` the rule in one sentence. ``checked`` counts what the rule was put to,
-    so that a check that found nothing to look at is told from one that looked.
+    so that a check that found nothing to look at is told from one that looked; ``skipped`` says why it could not look at all.
     """
 
     name = ""
@@ -28,12 +28,16 @@ class Check:
         self.checked = 0
         self.offences = 0
         self.first: Offence | None = None
+        self.skipped = ""
 
     def see(self, line: Line) -> None:
         """Look at one line."""
 
     def settle(self) -> None:
         """All records of one instant are in: the rules that hold between instants hold now."""
+
+    def end(self) -> None:
+        """All lines were read: what is put to the journal as a whole."""
 
     def offend(self, line: Line, says: str) -> None:
         """Count an offence; the first one is kept."""

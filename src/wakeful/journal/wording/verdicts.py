@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from wakeful.facts.experience import Experience
 from wakeful.facts.time import to_s
 from wakeful.journal.story import ProcessStory, Story, VerdictTold
 from wakeful.journal.wording.words import duration
 
 
-def lesson_words(right: str, applied: str) -> str:
-    """What an experience teaches about the treatment: ``right`` is empty where only the applied one is known to be wrong."""
+def lesson_words(process: ProcessStory, experience: Experience) -> str:
+    """What an experience teaches about the treatment. That nothing came, as forecast, proves little, and is said so."""
+    right, applied = experience.treatment_label, experience.treatment
+    came = any(verdict.outcome is not None and verdict.judged.label == experience.outcome for verdict in process.verdicts)
     if not right:
         return f"it counts against {applied} for such an event; which treatment would have been right is not known"
+    if right == applied and not came:
+        return f"nothing came, as forecast: this counts for {right}, though other treatments may have done as well"
     return f"{right} was right for such an event" if right == applied else f"{right} would have been right, not {applied}"
 
 
