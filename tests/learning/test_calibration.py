@@ -35,8 +35,17 @@ def test_a_temperature_undoes_too_much_or_too_little_confidence(true: float) -> 
     assert temperature(z, label, np.ones(6000)) == pytest.approx(true, rel=0.1)
 
 
-def test_too_few_rows_leave_the_temperature_alone() -> None:
-    assert temperature(np.eye(3)[[0, 1]], np.array([1, 2]), np.ones(2)) == 1.0
+def test_a_few_rows_that_came_out_as_predicted_do_not_make_the_network_certain() -> None:
+    z = np.array([[4.0, 0.0], [0.0, 4.0], [4.0, 0.0]])
+    found = temperature(z, np.array([0, 1, 0]), np.ones(3))
+    assert softmax(z[0] / found)[0] < 0.9
+    many = temperature(np.tile(z, (60, 1)), np.tile([0, 1, 0], 60), np.ones(180))
+    assert softmax(z[0] / many)[0] > 0.98
+
+
+def test_without_labelled_rows_the_temperature_is_left_alone() -> None:
+    assert temperature(np.eye(3), np.full(3, -1), np.ones(3)) == 1.0
+    assert temperature(np.zeros((0, 3)), np.zeros(0, dtype=np.int64), np.zeros(0)) == 1.0
 
 
 def test_the_threshold_is_the_lowest_that_keeps_the_errors_under_the_target() -> None:

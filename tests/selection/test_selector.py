@@ -142,7 +142,7 @@ def test_a_threshold_of_its_own_goes_before_the_pooled_one() -> None:
     )  # fmt: skip
     decision = selector(card=card).decide(event(), {}, (), 9)
     assert decision.mode == "delib"
-    assert any("too many errors" in reason for reason in decision.reasons)
+    assert any("went wrong too often" in reason for reason in decision.reasons)
 
 
 def test_only_allowed_treatments_are_candidates_and_their_probabilities_add_up() -> None:

@@ -18,6 +18,7 @@ NEVER: Final = 1.01
 POOLED: Final = "*"
 RESULT: Final = "@result"
 
+_EVEN_ROWS = 2.0
 _FEW = 8
 _FEW_OF_ONE = 20
 _DIGITS = 9
@@ -43,19 +44,27 @@ class Marks(msgspec.Struct, frozen=True):
 
 
 def temperature(z: Floats, label: Ints, weight: Floats) -> float:
-    """The temperature that minimises the weighted cross-entropy of softmax(z / T) over rows with a label; 1 below 8 rows.
+    """The temperature that minimises the weighted cross-entropy of softmax(z / T) over rows with a label; 1 without any.
 
-    Golden-section search on ln T within [0.25, 8]; the loss has one minimum there.
+    As if two further rows had come out evenly over all classes: a handful of rows that all came out as predicted doesn't make
+    the network certain. Golden-section search on ln T within [0.25, 8]; the loss has one minimum there.
+
+    Args:
+        z: logits, (n, k).
+        label: indices or -1, (n,).
+        weight: of each row, (n,); only their proportions count.
     """
     known = label >= 0
-    if int(known.sum()) < _FEW:
+    n = int(known.sum())
+    if n == 0 or float(weight[known].sum()) <= 0.0:
         return 1.0
-    z, label, weight = z[known], label[known], weight[known]
-    rows = np.arange(len(z))
+    z, label = z[known], label[known]
+    share = weight[known] * (n / weight[known].sum())
+    rows = np.arange(n)
 
     def loss(log_temperature: float) -> float:
-        p = softmax(z / math.exp(log_temperature))
-        return float(-(weight * np.log(np.maximum(p[rows, label], 1e-300))).sum())
+        logs = np.log(np.maximum(softmax(z / math.exp(log_temperature)), 1e-300))
+        return float(-(share * logs[rows, label]).sum() - _EVEN_ROWS * logs.mean())
 
     low, high, golden = math.log(0.25), math.log(8.0), (math.sqrt(5.0) - 1.0) / 2.0
     for _ in range(40):

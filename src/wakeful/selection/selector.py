@@ -269,5 +269,5 @@ def _said(ranked: tuple[Candidate, ...], card: ModelCard) -> str:
 
 def _below(what: str, number: float, needed: float) -> str:
     if needed > 1.0:
-        return f"{what} ({number:.3f}) is not enough at any height: held-back experience shows too many errors."
+        return f"{what} ({number:.3f}) does not count yet: on held-back experience even the most confident went wrong too often."
     return f"{what} ({number:.3f}) is below {needed:.2f}."
