@@ -151,3 +151,16 @@ def test_whatever_comes_is_admitted_or_refused_and_the_audit_is_clean(made: list
     journal = run(items)
     found = audit(journal)
     assert found.ok, [check for check in found.checks.values() if not check.ok]
+
+
+def test_what_one_recording_shows_is_never_the_outcome_of_another_whose_clock_overlaps() -> None:
+    kernel, learner = assemble("jsonl")
+    journal = MemoryJournal()
+    driver = SimulatedDriver(kernel, journal, GuidelineReasoner(kernel.domain.spec), learner)
+    later = Outcome(id="o", topic="outcome", entity="pump", label="failure", at_ns=START_NS + 9 * NS_PER_S)
+    for name, items in (("first", [event(0, 0), event(1, 20)]), ("second", [event(0, 5, kind="other"), later, event(2, 15)])):
+        for _ in driver.run(name, name, lambda after, made=items: iter(made[after + 1 :])):
+            pass
+    driver.close()
+    of = {record.event.id: record.event.source for record in records(journal, Admitted)}
+    assert {of[judged.event] for judged in records(journal, Judged) if judged.label == "failure"} == {"second"}

@@ -244,4 +244,6 @@ def _named(item: Item, source: str, position: int) -> Input:
     """The item under the name by which the kernel knows its source, at its position in it."""
     if isinstance(item, Observation | Draft | Undecodable) and (item.source, item.position) != (source, position):
         return msgspec.structs.replace(item, source=source, position=position)
+    if isinstance(item, Outcome):
+        return msgspec.structs.replace(item, source=source)
     return item

@@ -40,3 +40,4 @@ class Outcome(Fact, frozen=True):
     treatment: str = ""
     acted_on: bool = False
     origin: Origin = "world"
+    source: str = ""

@@ -192,6 +192,7 @@ class SpecRegistrar:
             event="" if shown.event_position is None else self._issued.get(shown.event_position, ""),
             treatment=shown.treatment,
             acted_on=shown.acted_on,
+            source=observation.source,
         )
 
     def _draft(

@@ -17,10 +17,10 @@ ANY = "*"
 
 
 class Entry(msgspec.Struct, kw_only=True):
-    """One result's forecast. ``since_ns`` and ``until_ns`` bound its window in source time: (since, until].
+    """One result's forecast. ``since_ns`` and ``until_ns`` bound its window, (since, until], by kernel time.
 
-    ``offset_ns`` takes source time to kernel time. ``shown`` is the label of the verdict that stands, ``decided_by`` its
-    outcome's id, empty where the window closed or the recording ended; ``decided_ns`` its source time, None likewise.
+    ``offset_ns`` is from the event's own time to when it arrived. ``shown`` is the label of the verdict that stands,
+    ``decided_by`` its outcome's id, empty where the window closed or the recording ended; ``decided_ns`` its time, None likewise.
     """
 
     process: int

@@ -77,6 +77,7 @@ class Validation:
         self._events = KnownEvents(keep_forecasts)
         self._ended_ns: dict[str, int] = {}
         self._broken_ns: dict[str, int] = {}
+        self._offset_ns: dict[str, int] = {}
         self._next_experience = 1
         self._made = 0
         self._verdicts = dict.fromkeys(Verdict, 0)
@@ -95,7 +96,7 @@ class Validation:
             case Concluded():
                 self._open(record, at_ns)
             case Witnessed(outcome=outcome):
-                if self._witnesses.add(outcome, at_ns):
+                if self._witnesses.add(self._in_kernel_time(outcome), at_ns):
                     self._witnessed += 1
                     self._foreign += outcome.label not in self._spec.labels
             case Judged():
@@ -104,8 +105,9 @@ class Validation:
                 self._next_experience = max(self._next_experience, experience.id + 1)
             case Finished(source=source):
                 self._ended_ns[source] = at_ns
-            case Opened(source=source):
+            case Opened(source=source, offset_ns=offset_ns):
                 self._ended_ns.pop(source, None)
+                self._offset_ns[source] = offset_ns
             case Refused(source=source, unread=True):  # it may have been an outcome
                 self._broken_ns[source] = at_ns
             case Noted(what=what, source=source) if what == GAP:
@@ -117,11 +119,24 @@ class Validation:
 
     def match(self, outcome: Outcome, now_ns: int) -> list[Judged]:
         """The verdicts that an outcome brings about (Eq. 10), possibly on several forecasts. Asking twice changes nothing."""
+        outcome = self._in_kernel_time(outcome)
         first = self._witnesses.get(outcome.id)
         if (first is not None and first != outcome) or outcome.label not in self._spec.labels:
             return []
-        found = (self._against(entry, outcome, now_ns) for entry in self._ledger.concerned(outcome, self._within_ns))
+        concerned = self._ledger.concerned(outcome, self._within_ns)
+        found = (self._against(entry, outcome, now_ns) for entry in concerned if self._reaches(outcome, entry))
         return [judged for judged in found if judged is not None]
+
+    def _reaches(self, outcome: Outcome, entry: Entry) -> bool:
+        """Whether an outcome may speak of a recording's event: another recording, begun after that one's end, does not."""
+        ended_ns = self._ended_ns.get(entry.source)
+        apart = bool(outcome.source) and outcome.source != entry.source and not outcome.event
+        return not (apart and ended_ns is not None and outcome.at_ns >= ended_ns)
+
+    def _in_kernel_time(self, outcome: Outcome) -> Outcome:
+        """The outcome with its instant in kernel time: two recordings' own clocks cannot be compared."""
+        offset_ns = self._offset_ns.get(outcome.source, 0)
+        return msgspec.structs.replace(outcome, at_ns=outcome.at_ns + offset_ns) if offset_ns else outcome
 
     def concluded(self, record: Concluded) -> list[Judged]:
         """The verdicts on a result that was concluded just now, by outcomes witnessed before it.
@@ -200,7 +215,7 @@ class Validation:
         if record.closes_ns is None or record.forecast is None or event is None or self._ledger.get(record.process) is not None:
             return
         forgotten_ns = self._witnesses.forgotten_ns
-        forecast, since_ns = record.forecast, event.stamp.source_ns
+        forecast, since_ns = record.forecast, event.stamp.source_ns + self._offset_ns.get(event.source, 0)
         self._made += 1
         self._ledger.open(
             Entry(
