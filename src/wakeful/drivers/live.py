@@ -83,6 +83,7 @@ class LiveDriver:
         self._acts = acts
         self._closes_journal = closes_journal
         self._acts_due_s = 0.0
+        self._feeding: dict[object, asyncio.Future[Receipt]] = {}
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
         self._called: dict[tuple[int, int], asyncio.Task[None]] = {}
         self._settled: dict[str, list[asyncio.Future[Concluded]]] = {}
@@ -119,6 +120,11 @@ class LiveDriver:
         self._commits.shutdown()
         if self._closes_journal:
             self.journal.close()
+
+    @property
+    def busy(self) -> bool:
+        """Whether something was offered and not yet fed, or a call is under way."""
+        return bool(self._inbox or self._called)
 
     async def admit(self, draft: Draft) -> Receipt:
         """Offer an event; returns once what became of it is durable.
@@ -163,7 +169,27 @@ class LiveDriver:
         return self._start_ns + time.monotonic_ns()
 
     async def _pump(self) -> None:
-        while self._error is None:
+        try:
+            await self._turns()
+        except JournalError as error:
+            self._stop(error)
+        except Exception as error:
+            self._stop(JournalError(f"the mind has stopped, nothing more is taken: {error!r}"))
+            raise  # a defect: whoever leaves the mind's context hears of it whole
+
+    def _stop(self, error: JournalError) -> None:
+        """Nobody waits for ever: all that was offered and is not durable fails, and so does every wait for a conclusion."""
+        self._error = error
+        waiting: list[asyncio.Future[Receipt]] = [*self._feeding.values(), *(each for _, each in self._inbox if each is not None)]
+        for future in waiting:
+            if not future.done():
+                future.set_exception(error)
+        for waiter in (each for waiters in self._settled.values() for each in waiters):
+            if not waiter.done():
+                waiter.set_exception(error)
+
+    async def _turns(self) -> None:
+        while True:
             await self._wait()
             batch, self._inbox = self._inbox, []
             inputs = [each for each, _ in batch]
@@ -172,15 +198,9 @@ class LiveDriver:
             inputs.extend(each.act for each in handed)
             if self._closing and not inputs and not self._due():
                 break
-            futures = {_place(each): future for each, future in batch if future is not None}
+            futures = self._feeding = {_place(each): future for each, future in batch if future is not None}
             requests = await self._think(inputs)
-            try:
-                await self._commit(requests)
-            except JournalError as error:
-                self._error = error
-                for future in futures.values():
-                    future.set_exception(error)
-                return
+            await self._commit(requests)
             if self._acts is not None:
                 self._acts.done(handed)
             self._answer(requests.lines, futures)
