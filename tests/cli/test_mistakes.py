@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import apsw
@@ -84,3 +87,13 @@ def test_a_missing_extra_names_itself(wakeful: Wakeful, journal: Path, tmp_path:
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     result = wakeful("export", "--journal", journal, "--format", "parquet", "--out", tmp_path / "x.parquet")
     _one_line(result, 1, "pip install 'wakeful[parquet]'")
+
+
+@pytest.mark.parametrize("arguments", [("status",), ("events", "--json"), ("audit",), ("export",), ("trust",)])
+@pytest.mark.parametrize(("redirection", "says"), [(">&-", "closed"), (">/dev/full", "No space left")])
+def test_an_output_that_takes_nothing_is_one_line(journal: Path, arguments: tuple[str, ...], redirection: str, says: str) -> None:
+    program = shlex.join([sys.executable, "-m", "wakeful", *arguments, "--journal", str(journal)])
+    result = subprocess.run(["sh", "-c", f"exec {program} {redirection}"], stderr=subprocess.PIPE, text=True, check=False)
+    assert result.returncode == 1
+    assert len(result.stderr.splitlines()) == 1, result.stderr
+    assert says in result.stderr

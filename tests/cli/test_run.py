@@ -205,7 +205,8 @@ def test_speed_waits_for_the_sources_own_time(
     pauses: list[float] = []
     monkeypatch.setattr(Stop, "pause", lambda _, seconds: pauses.append(seconds))
     told = json.loads(wakeful("run", recording, "--speed", 10, "--journal", tmp_path / "paced.db", "--json").stdout)
-    assert len(pauses) == told["this_run"]["items"] - 1
+    # A long pause is taken in parts, so that operators are heard meanwhile.
+    assert len(pauses) >= told["this_run"]["items"] - 1
     assert sum(pauses) * 10 > 60
 
 

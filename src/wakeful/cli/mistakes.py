@@ -36,8 +36,11 @@ class OneLine(click.Group):
         **extra: Any,
     ) -> Any:
         """Run, and end the program with 0, 1 (failed), 2 (usage) or 130 (interrupted)."""
+        if sys.stdout is None:
+            _end("standard output is closed, there is nowhere to print to; send it to a file, or to /dev/null", FAILED)
         try:
             result = super().main(args, prog_name, complete_var, standalone_mode=False, **extra)
+            sys.stdout.flush()
         except click.UsageError as error:
             where = error.ctx.command_path if error.ctx else "wakeful"
             _end(f"{_first_line(error)} Try '{where} --help'.", USAGE)
@@ -51,11 +54,24 @@ class OneLine(click.Group):
             _end(str(error), FAILED)
         except BrokenPipeError:
             # Whoever read our output has gone; what is left in the buffer must not complain either.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            _let_go_of_output()
             sys.exit(FAILED)
+        except OSError as error:
+            # What has a name is said by it; what has none is the output, whose place is full or gone.
+            _let_go_of_output()
+            where = f"{error.filename}: " if error.filename else "standard output cannot be written: "
+            _end(f"{where}{error.strerror or error}; free the place, or name another", FAILED)
         if standalone_mode:
             sys.exit(result if isinstance(result, int) else 0)
         return result
+
+
+def _let_go_of_output() -> None:
+    """Whatever is left in the buffer goes nowhere, so that the interpreter does not fail over it at its end."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):
+        return  # it is no file of the system's, as under a test
 
 
 def _first_line(error: click.UsageError) -> str:
