@@ -32,7 +32,7 @@ def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_cou
 def test_a_case_that_shares_no_attribute_carries_nothing() -> None:
     result = likened(episode("a", 10.0, likeness=1.0, treatment="planning", state="cold"), state="hot")
     assert result.treat_as == ""
-    assert "; like nothing known; the nearest of 1 is worth 0 of 1" in result.says
+    assert "like nothing known; the nearest of 1 is worth 0 of 1" in result.says
     assert result.confidence <= 0.1
 
 

@@ -1,7 +1,9 @@
+import msgspec
 import pytest
 
 from tests.treatments.worlds import DOMAIN, episode, event, script
 from wakeful.facts.asking import Episode
+from wakeful.facts.domain import FieldSpec
 from wakeful.testing import ScriptedMind
 from wakeful.treatments.comparison import Comparison, Row, comparison
 
@@ -32,10 +34,26 @@ def test_a_number_is_put_beside_its_own_past_and_its_peers() -> None:
     assert load.unusual
 
 
+def test_how_a_detector_found_something_is_not_compared_unless_the_domain_says_so() -> None:
+    own = [episode(f"b{at}", 60.0 * (at + 1), value=1.0, usual=0.0, deviation=4.0 + 0.1 * (at % 3)) for at in range(8)]
+    found = event(value=1.0, usual=9.0, deviation=20.0)
+    result = ScriptedMind(DOMAIN, "auto", script(*own)).run(comparison, found)
+    assert isinstance(result, Comparison)
+    assert [each.name for each in result.rows] == ["value"]
+    fields = {**DOMAIN.fields, "deviation": FieldSpec(compared=True), "value": FieldSpec(compared=False)}
+    told = ScriptedMind(msgspec.structs.replace(DOMAIN, fields=fields), "auto", script(*own)).run(comparison, found)
+    assert isinstance(told, Comparison)
+    assert told.unusual == ("deviation",)
+
+
+def test_it_says_whose_events_it_compared_with() -> None:
+    assert "compared with its own 9 earlier events and 8 events of 2 peers" in compared(*PAST, *PEERS, load=0.9).says
+
+
 def test_a_value_like_its_past_and_peers_is_usual() -> None:
     result = compared(*PAST, load=0.31, state="normal")
     assert result.unusual == ()
-    assert "within what is usual" in result.says
+    assert "nothing unusual in it" in result.says
 
 
 def test_a_word_is_unusual_where_hardly_anybody_shares_it() -> None:

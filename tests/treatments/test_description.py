@@ -1,4 +1,7 @@
+import msgspec
+
 from tests.treatments.worlds import DOMAIN, episode, event, script
+from wakeful.facts.domain import FieldSpec
 from wakeful.facts.events import Context, Relation
 from wakeful.testing import ScriptedMind
 from wakeful.treatments.description import Description, description
@@ -44,7 +47,13 @@ def test_something_new_is_compared_with_like_cases() -> None:
 
 def test_what_registration_said_is_not_said_twice() -> None:
     result = described(says="current 2.3 A, usually 1.1 A", value=2.3)
-    assert result.says.startswith("J3: current 2.3 A, usually 1.1 A (changed)")
+    assert result.says == "J3: changed; nothing like it is remembered."
+
+
+def test_what_a_field_means_is_no_statement_about_the_event() -> None:
+    domain = msgspec.structs.replace(DOMAIN, fields={"airborne": FieldSpec(meaning="in the air")})
+    result = ScriptedMind(domain, "auto", script()).run(description, event(airborne=False))
+    assert b"in the air" not in msgspec.json.encode(result)
     assert "value" not in result.says
 
 

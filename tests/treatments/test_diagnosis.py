@@ -136,3 +136,17 @@ def test_a_fault_that_explains_only_what_happened_near_it_is_not_named_as_this_e
     assert not any(suspect.explains for suspect in result.suspects)
     assert "no fault of the table explains it; signs near it (current high, stop) point to worn gear" in result.says
     assert result.confidence == 0.1
+
+
+def test_the_words_of_an_error_say_more_than_what_kind_of_error_it_is() -> None:
+    faults = (
+        Fault(name="blocked wheel", prior=0.04, causes={"stall": 0.8, "about=drive": 0.4, "text~wheel|jam": 0.7}),
+        Fault(name="overheated drive", prior=0.05, causes={"about=drive": 0.8, "text~temperature|overheat": 0.9}),
+    )
+    domain = DomainSpec(name="fleet", version=1, says="", fault=faults)
+    for text, cause in (("driveOvertemperature: above 85 °C", "overheated drive"), ("Wheel jammed", "blocked wheel")):
+        found = event("error", about="drive", text=text)
+        result = ScriptedMind(domain, "auto", script(episode("s", 5.0, "stall"))).run(diagnosis, found)
+        assert isinstance(result, Diagnosis)
+        assert result.suspects[0].fault == cause
+        assert result.suspects[0].posterior > 0.8

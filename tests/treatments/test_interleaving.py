@@ -83,7 +83,7 @@ def test_diagnosis_waits_for_the_sensor_while_a_route_is_planned_and_a_risk_pred
     assert [name for name, _ in ends] == ["blocked", "shaky", "sick"]
     said = dict(ends)
     assert "go dock → yard → shelf → loft" in said["blocked"]
-    assert "high risk of falls" in said["shaky"]
+    assert "high risk (falls)" in said["shaky"]
     assert "worn gear" in said["sick"]
     assert "temperature > 70 °C" in said["sick"]
 

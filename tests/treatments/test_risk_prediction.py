@@ -20,7 +20,7 @@ def test_only_hazards_whose_conditions_hold_are_open_and_the_worst_is_said() -> 
     assert [row.hazard for row in calm.hazards] == ["stop"]
     shaky = assessed(ScriptedMind(DOMAIN, "auto", script()), state="unstable")
     assert [row.hazard for row in shaky.hazards] == ["falls", "stop"]
-    assert "; a high risk of falls" in shaky.says
+    assert "high risk (falls): 30 % by the hazard table alone, no like case has ended yet" in shaky.says
     assert shaky.proposes[0].effect == "keep away"
 
 
@@ -102,5 +102,5 @@ def test_an_outcome_that_no_open_hazard_speaks_of_is_told_beside_the_table() -> 
     drops = tuple(episode(f"d{at}", 100.0 + at, outcome="drop", likeness=1.0) for at in range(8))
     result = assessed(ScriptedMind(DOMAIN, "auto", script(*drops)))
     assert [(row.hazard, row.listed) for row in result.hazards] == [("stop", True), ("drop", False)]
-    assert "risk of stop: likelihood 7 %" in result.says
-    assert "drop may follow with 94 %" in result.says
+    assert "medium risk (stop): 7 % by the hazard table and how like cases ended (90 % credible" in result.says
+    assert "drop may follow: 94 % by how like cases ended" in result.says

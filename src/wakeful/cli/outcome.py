@@ -55,7 +55,7 @@ def print_since(told: Story, process: ProcessStory) -> None:
     for experience in told.experiences:
         if experience.process == process.id:
             paragraph(
-                f"learned from as experience {experience.id}: {lesson_words(experience.treatment_label, experience.treatment)}",
+                f"learned from as experience {experience.id}: {lesson_words(process, experience)}",
                 2,
                 2,
             )

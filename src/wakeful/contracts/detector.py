@@ -11,6 +11,12 @@ from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
 
+BOOKKEEPING = frozenset(
+    ("usual", "usual_s", "deviation", "joined", "limit", "was", "times", "lasted_s", "type", "references", "wording", "text")
+)
+"""Fields in which the detectors that registration brings say how they found something: what was usual, how far out of its band,
+how many joined in, what was there before, in which words. They are no measurements: treatments don't compare events by them."""
+
 
 class Found(msgspec.Struct, frozen=True, kw_only=True):
     """Something that may be an event. The registrar adds source, position, time, context and the relation to what it

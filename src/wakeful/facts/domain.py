@@ -19,7 +19,8 @@ class FieldSpec(Fact, frozen=True):
     ``channel`` names a channel whose last value stands in the context of every event under the field's name, ``since`` one
     whose seconds since its last change do; both may use ``{number}``, the number in the name of the event's entity.
     ``meaning`` says what the field stands for: it is a glossary for people, never a statement about an event. ``compared``:
-    whether events are compared by it; not where it is a detector's book-keeping (how far out of its band a value is).
+    whether ``comparison`` and ``memory`` compare events by it; unless said, by all but what
+    ``wakeful.contracts.detector.BOOKKEEPING`` names (how far out of its band a value is).
     """
 
     values: tuple[str, ...] = ()
@@ -27,7 +28,7 @@ class FieldSpec(Fact, frozen=True):
     high: float = 1.0
     size: int = 1
     meaning: str = ""
-    compared: bool = True
+    compared: bool | None = None
     channel: str = ""
     since: str = ""
 

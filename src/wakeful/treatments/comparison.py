@@ -13,7 +13,7 @@ from wakeful.facts.values import Fact, Field
 from wakeful.treatments.change import change_point, cliffs_delta, robust_z
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
-from wakeful.treatments.measures import comparable, number, numbers, plain, significant
+from wakeful.treatments.measures import measured, number, numbers, plain, significant
 from wakeful.treatments.remembering import age_s, of_entity, of_kind, resting, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import bare, brief, counted, span, subject, valued
@@ -81,7 +81,9 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
     await mind.work(1)
     peers = [episode for episode in found.episodes if episode.entity != event.entity and age_s(event, episode) >= 0.0]
 
-    rows = sorted((_row(event, name, own, peers, settings) for name in comparable(event.fields)), key=_strangest)
+    rows = sorted(
+        (_row(event, name, own, peers, settings) for name in measured(event.fields, mind.domain.fields)), key=_strangest
+    )
     unusual = tuple(row.name for row in rows if row.unusual)
     compared = [row for row in rows if row.own_count or row.peers_count]
     voice = recalled_voice(mind, event, [*own, *peers], ranked=False)
@@ -168,8 +170,8 @@ def _beside(rows: Sequence[Row], own: int, peers: int, entities: int) -> str:
     with_whom = " and ".join(
         part
         for part in (
-            f"its {counted(own, 'earlier event')}" if own else "",
-            f"{peers} of {counted(entities, 'peer')}" if peers else "",
+            f"its own {counted(own, 'earlier event')}" if own else "",
+            f"{counted(peers, 'event')} of {counted(entities, 'peer')}" if peers else "",
         )
         if part
     )
@@ -177,8 +179,8 @@ def _beside(rows: Sequence[Row], own: int, peers: int, entities: int) -> str:
     if not rows:
         return f"; nothing in it can be compared with {with_whom}"
     if not odd:
-        return f"; within what is usual for {with_whom}"
-    return f"; unusual beside {with_whom}: {', '.join(_row_said(row) for row in odd[:2])}"
+        return f"; nothing unusual in it, compared with {with_whom}"
+    return f"; unusual is {' and '.join(_row_said(row) for row in odd[:2])}, compared with {with_whom}"
 
 
 def _row_said(row: Row) -> str:

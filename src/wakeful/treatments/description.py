@@ -85,7 +85,12 @@ async def description(event: Event, mind: Mind) -> Description:
     usual = f"what {scene.entity} is usually like" if own else f"what a {event.kind} is usually like"
     return Description(
         says=sentence(
-            mind, _what(event, scene), _shown(event, attributes, odd), _beside(event, scene, odd, past), expectation(forecast)
+            mind,
+            subject(event),
+            _what(event, scene),
+            _shown(event, attributes, odd),
+            _beside(event, scene, odd, past),
+            expectation(forecast),
         ),
         confidence=sure(mind, confidence),
         rests_on=(f"event {event.id}", *resting(past), *forecast_reasons(mind, [voice])),
@@ -115,7 +120,8 @@ def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -
 
 def _what(event: Event, scene: SceneEntry) -> str:
     where = f" in {scene.zone}" if scene.zone else ""
-    return f"{subject(event)} ({event.relation.value}{where}{', safety at stake' if event.context.safety else ''})"
+    stands = {Relation.UNCHANGED: "as it was", Relation.NEW: "new"}.get(event.relation, event.relation.value)
+    return f"{stands}{where}{', safety at stake' if event.context.safety else ''}"
 
 
 def _shown(event: Event, attributes: tuple[Attribute, ...], odd: list[Attribute]) -> str:

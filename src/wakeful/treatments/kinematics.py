@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.measures import number, significant
-from wakeful.treatments.wording import quantity, span
+from wakeful.treatments.wording import figure, quantity, span
 
 _TTC = ("ttc_s", "time_to_collision_s", "time_to_contact_s")
 _DISTANCE = ("distance_m", "range_m", "clearance_m", "gap_m", "distance")
@@ -51,7 +51,7 @@ def to_limit(value: float, slope_per_s: float, fields: Mapping[str, Field]) -> C
     _, limit = _first(fields, _UPPER if slope_per_s > 0.0 else _LOWER)
     if limit is None or slope_per_s == 0.0:
         return None
-    because = f"{value:.3g} changing by {slope_per_s:.3g} per second towards {limit:.3g}"
+    because = f"{figure(value)} changing by {figure(slope_per_s)} per second towards {figure(limit)}"
     return _within("the limit is reached", (limit - value) / slope_per_s, because)
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 
+from wakeful.contracts.detector import BOOKKEEPING
+from wakeful.facts.domain import FieldSpec
 from wakeful.facts.values import Field
 from wakeful.treatments.wording import brief
 
@@ -38,6 +40,16 @@ def numbers(fields: Mapping[str, Field]) -> dict[str, float]:
 def comparable(fields: Mapping[str, Field]) -> dict[str, Field]:
     """The fields that say what is there, in their order."""
     return {name: value for name, value in fields.items() if name not in ADDRESSES}
+
+
+def measured(fields: Mapping[str, Field], specs: Mapping[str, FieldSpec]) -> dict[str, Field]:
+    """The fields that were measured or seen, in their order: without a detector's book-keeping, unless the domain says otherwise.
+
+    >>> measured({"value": 2.7, "usual": 0.1, "deviation": 20.3}, {})
+    {'value': 2.7}
+    """
+    declared = {name: spec.compared for name, spec in specs.items() if spec.compared is not None}
+    return {name: value for name, value in comparable(fields).items() if declared.get(name, name not in BOOKKEEPING)}
 
 
 def plain(value: Field) -> Field:

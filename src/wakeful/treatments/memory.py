@@ -9,7 +9,7 @@ from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
-from wakeful.treatments.measures import comparable, significant
+from wakeful.treatments.measures import measured, significant
 from wakeful.treatments.overlap import overlap
 from wakeful.treatments.remembering import (
     Difference,
@@ -80,7 +80,9 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     same_kind = [episode for episode in past if episode.kind == event.kind]
     differs = differences(event, same_kind, mind.domain.fields)
     changed = {difference.name for difference in differs}
-    compared = [name for name in comparable(event.fields) if any(name in episode.fields for episode in same_kind)]
+    compared = [
+        name for name in measured(event.fields, mind.domain.fields) if any(name in episode.fields for episode in same_kind)
+    ]
     last_s = age_s(event, past[0]) if past else None
     retention = _retention(last_s, len(past), settings)
     rows = endings(alike)

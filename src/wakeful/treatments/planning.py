@@ -152,7 +152,7 @@ def _procedure(
     steps = steps_for(event, mind.domain)
     why = "the event names no start, goal or leg of the route graph" if has_graph else "the domain has no route graph"
     listed = "; ".join(f"{at}. {brief(step.does, 80)}" for at, step in enumerate(steps, 1))
-    said = f": {listed} (written steps in order; nothing was searched, because {why})" if steps else f": no plan, because {why}"
+    said = f": {listed} (written steps; no way was searched, because {why})" if steps else f": no plan, because {why}"
     said += "" if steps else " and none of its tables has a step for this"
     return Planning(
         says=sentence(mind, subject(event), said, expectation(forecast)),

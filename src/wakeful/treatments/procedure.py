@@ -9,6 +9,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.values import Fact
 from wakeful.treatments.hazards import circumstances
 from wakeful.treatments.symptoms import seen_in
+from wakeful.treatments.wording import span
 
 #: More faults than this are no longer a procedure but a list.
 FAULTS = 3
@@ -42,12 +43,8 @@ def steps_for(event: Event, domain: DomainSpec) -> tuple[Step, ...]:
     steps = _once([*safe, *checks, *remedies, *advice])
     if not steps or not domain.outcome.labels:
         return steps
-    hold = f"watch {event.entity} for {domain.outcome.within_s:g} s: {_either(domain.outcome.labels)} says whether it worked"
+    hold = f"watch for {span(domain.outcome.within_s)} what comes of it ({', '.join(domain.outcome.labels)})"
     return (*steps, Step(does=hold, preconditions=("the steps above are done",), source="outcome window of the domain"))
-
-
-def _either(labels: tuple[str, ...]) -> str:
-    return labels[0] if len(labels) == 1 else f"{', '.join(labels[:-1])} or {labels[-1]}"
 
 
 def _suspects(event: Event, faults: Iterable[Fault]) -> list[Fault]:

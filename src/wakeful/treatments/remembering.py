@@ -13,7 +13,7 @@ from wakeful.facts.domain import FieldSpec
 from wakeful.facts.events import Event
 from wakeful.facts.time import to_s
 from wakeful.facts.values import Fact, Field
-from wakeful.treatments.measures import comparable, number, plain, significant
+from wakeful.treatments.measures import measured, number, plain, significant
 from wakeful.treatments.overlap import scale
 from wakeful.treatments.wording import valued, worded
 
@@ -135,7 +135,7 @@ def differences(event: Event, past: Sequence[Episode], specs: Mapping[str, Field
     ``past`` is newest first, and of the event's own kind: another kind's fields may mean something else by the same name.
     """
     found = []
-    for name, now in comparable(event.fields).items():
+    for name, now in measured(event.fields, specs).items():
         having = [episode for episode in past if name in episode.fields]
         if not having or same(name, now, having[0].fields[name], specs):
             continue

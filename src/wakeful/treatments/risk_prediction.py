@@ -18,7 +18,7 @@ from wakeful.treatments.measures import number
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
-from wakeful.treatments.wording import counted, percent, span, subject
+from wakeful.treatments.wording import counted, figure, percent, span, subject
 
 
 class RiskSettings(Fact, frozen=True):
@@ -126,7 +126,7 @@ async def _hear(
         if fresh is None:
             continue
         heard.append(
-            f"evidence {offer.address}: {fresh:.3g}, {span(abs(gap_s))} {'after' if gap_s >= 0.0 else 'before'} the event"
+            f"evidence {offer.address}: {figure(fresh)}, {span(abs(gap_s))} {'after' if gap_s >= 0.0 else 'before'} the event"
         )
         if before is not None and gap_s != 0.0:
             # a reading that was kept from before the event gives a slope as well
@@ -142,16 +142,20 @@ def _risk(rows: Sequence[HazardRow], mass: float) -> str:
     told = ""
     if top.listed:
         name = top.hazard.replace("_", " ")
-        told = f"; a {top.rating} risk of {name}: likelihood {_likely(top, mass)}, severity class {top.severity} of 4"
+        told = f"; {top.rating} risk ({name}): {_likely(top, mass)}, severity class {top.severity} of 4"
     if unlisted:
         first = max(unlisted, key=lambda row: row.likelihood)
         lead = "" if top.listed else "no hazard of the table is open; "
-        told += f"; {lead}by how like cases ended, {first.hazard.replace('_', ' ')} may follow with {_likely(first, mass)}"
+        told += f"; {lead}{first.hazard.replace('_', ' ')} may follow: {_likely(first, mass)}"
     return told
 
 
 def _likely(row: HazardRow, mass: float) -> str:
-    return f"{percent(row.likelihood)} ({percent(mass)} credible {percent(row.low)} to {percent(row.high)})"
+    """A table's prior is never told as a finding: its interval says only how little is known."""
+    if not row.cases:
+        return f"{percent(row.likelihood)} by the hazard table alone, no like case has ended yet"
+    by = "the hazard table and how like cases ended" if row.listed else "how like cases ended"
+    return f"{percent(row.likelihood)} by {by} ({percent(mass)} credible {percent(row.low)} to {percent(row.high)})"
 
 
 def _time(ahead: Countdown | None, heard: Sequence[str]) -> str:

@@ -17,8 +17,9 @@ def sure(mind: Mind, confidence: float) -> float:
     return round(min(max(confidence * share, 0.0), 1.0), 4)
 
 
-def sentence(mind: Mind, *parts: str) -> str:
-    """The parts as one sentence, marked as provisional in fallback mode."""
-    said = "".join(part for part in parts if part).strip()
+def sentence(mind: Mind, about: str, *parts: str) -> str:
+    """What it is about, a colon, and the parts as one sentence, marked as provisional in fallback mode."""
+    said = "".join(part for part in parts if part).strip().lstrip(":; ")
+    said = f"{about}: {said}" if said else about
     marked = f"Provisional: {said}" if mind.mode == "fallback" else said
     return marked if marked.endswith(("?", ".", "!")) else marked + "."

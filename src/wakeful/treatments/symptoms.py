@@ -1,7 +1,7 @@
 """Symptoms: whether an event or a remembered case shows what a fault of the domain is said to cause.
 
 A symptom is an event kind, or a field with a value (``state=unstable``) or a bound (``load>0.6``, also written ``load=>0.6``:
-the field, and then what guidelines would write).
+the field, and then what guidelines would write), or one of some words in a text (``text~overheat|temperature``).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wakeful.treatments.hazards import circumstances
 from wakeful.treatments.measures import number
 from wakeful.treatments.wording import bare, quantity
 
-_CONDITION = re.compile(r"([^<>=]+)=?(<=|>=|=|<|>)(.*)", re.DOTALL)
+_CONDITION = re.compile(r"([^<>=]+)=?(<=|>=|=|<|>|~)(.*)", re.DOTALL)
 
 
 def seen_in(symptom: str, event: Event) -> bool | None:
@@ -59,11 +59,15 @@ def told(symptom: str) -> str:
 
     >>> told("temperature_c=>70"), told("state=unstable"), told("motor_hot")
     ('temperature > 70 °C', 'state unstable', 'motor hot')
+    >>> told("text~heat|hot")
+    '“heat”, “hot” in its text'
     """
     condition = split(symptom)
     if condition is None:
         return symptom.replace("_", " ")
     name, sign, value = condition
+    if sign == "~":
+        return f"“{value.replace('|', '”, “')}” in its {bare(name)}"
     sized = quantity(name, float(value)) if _is_number(value) else value
     return f"{bare(name)} {'' if sign == '=' else sign + ' '}{sized}"
 
@@ -74,6 +78,9 @@ def holds(condition: tuple[str, str, str], has: Mapping[str, Field]) -> bool | N
     actual = has.get(name)
     if actual is None or isinstance(actual, tuple):
         return None
+    if sign == "~":
+        words = [word.strip().casefold() for word in value.split("|")]
+        return any(word and word in actual.casefold() for word in words) if isinstance(actual, str) else None
     if sign != "=":
         if number(actual) is None or not _is_number(value):
             return None

@@ -63,11 +63,21 @@ def quantity(name: str, value: float, digits: int = 3) -> str:
     """A number with the unit of its field.
 
     >>> quantity("distance_m", 1.2345), quantity("tilt_deg", 7.0), quantity("silent_s", 18_812.0)
-    ('1.23 m', '7°', '18812 s')
+    ('1.23 m', '7°', '18800 s')
     """
     sign = unit(name)
-    said = f"{value:.0f}" if 1e3 <= abs(value) < 1e9 else f"{value:.{digits}g}"
+    said = figure(value, digits)
     return said + sign if sign in ("°", "%") else f"{said} {sign}".rstrip()
+
+
+def figure(value: float, digits: int = 3) -> str:
+    """A number to so many significant digits, written out where a person would.
+
+    >>> figure(0.12345), figure(99.96), figure(18_812.0), figure(3e12)
+    ('0.123', '100', '18800', '3e+12')
+    """
+    rounded = float(f"{value:.{digits}g}")
+    return f"{rounded:.0f}" if 100 <= abs(rounded) < 1e9 else f"{rounded:.{digits}g}"
 
 
 def bare(name: str) -> str:
@@ -84,7 +94,7 @@ def valued(name: str, value: Field) -> str:
     if isinstance(value, str):
         return brief(value) or "empty"
     if isinstance(value, tuple):
-        return f"({', '.join(f'{each:.3g}' for each in value)})" if len(value) <= 3 else f"({len(value)} numbers)"
+        return f"({', '.join(f'{figure(each)}' for each in value)})" if len(value) <= 3 else f"({len(value)} numbers)"
     return quantity(name, value)
 
 
@@ -133,19 +143,18 @@ def percent(share: float) -> str:
     """A probability as a person reads it: whole per cents, finer near the ends, and never rounded to certainty.
 
     >>> percent(0.123), percent(0.0042), percent(0.9987), percent(0.99999)
-    ('12 %', '0.4 %', '99.9 %', 'over 99.9 %')
+    ('12 %', '0.4 %', '99.9 %', '> 99.9 %')
     """
     if 0.01 <= share <= 0.99 or share in (0.0, 1.0):
         return f"{100 * share:.0f} %"
     if share > 0.999:
-        return "over 99.9 %"
-    return "under 0.1 %" if share < 0.001 else f"{100 * share:.1f} %"
+        return "> 99.9 %"
+    return "< 0.1 %" if share < 0.001 else f"{100 * share:.1f} %"
 
 
-def subject(event: Event, limit: int = 240) -> str:
-    """What a sentence is about: the entity, and what registration says of it or else the kind of event."""
-    name = brief(event.entity) or "something"
-    said = brief(event.says, limit).rstrip(".")
-    if said:
-        return said if name.casefold() in said.casefold() else f"{name}: {said}"
-    return f"{name}: {event.kind.replace('_', ' ')}"
+def subject(event: Event) -> str:
+    """What a sentence is about, in a word: whoever reads a result has read what registration says of the event.
+
+    What the treatment found follows at once.
+    """
+    return brief(event.entity) or event.kind.replace("_", " ") or "something"

@@ -116,9 +116,7 @@ def _since(told: Story, process: ProcessStory) -> Markup | None:
         says = f"Nothing yet: the window closes in {duration(left_s)}." if left_s > 0 else "Nothing that decides it."
         lines = [element("li", says)]
     lines += [
-        element(
-            "li", f"learned from as experience {experience.id}: {lesson_words(experience.treatment_label, experience.treatment)}"
-        )
+        element("li", f"learned from as experience {experience.id}: {lesson_words(process, experience)}")
         for experience in told.experiences
         if experience.process == process.id
     ]

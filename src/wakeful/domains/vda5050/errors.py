@@ -106,6 +106,7 @@ def _note_swaps(now: dict[str, Error], memory: Errors, at_ns: int) -> None:
 def _sign(error: Error, phase: Phase, rose: bool = False) -> Sign:
     level = LEVELS[error.level].upper()
     fields: dict[str, Field] = {"error": error.type, "about": about(error)}
+    fields["text"] = f"{error.type}: {error.says}"[:200] if error.says else error.type
     if error.hint:
         fields["hint"] = error.hint
     where = f" ({', '.join(error.references)})" if error.references else ""

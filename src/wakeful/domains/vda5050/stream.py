@@ -61,7 +61,8 @@ def look(message: StateMessage, memory: Stream, at_ns: int, silence_ns: int) -> 
     elif back:
         faults["clock"] = f"its clock ran back by {(heard_ns - at_ns) / NS_PER_S:.1f} s at message {message.header}"
     elif step > 1:
-        faults["gap"] = f"{step - 1} messages are missing before {message.header}"
+        missing = "1 message is" if step == 2 else f"{step - 1} messages are"
+        faults["gap"] = f"stream: {missing} missing before number {message.header}"
     if not stale:
         memory.header = message.header
         memory.heard_ns = at_ns

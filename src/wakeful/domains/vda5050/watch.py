@@ -237,7 +237,9 @@ def _action(id_: str, phase: Phase, level: int, says: str, type_: str) -> Sign:
 def _order(message: StateMessage, memory: Watched, limits: Limits, at_ns: int, moved: bool) -> Iterator[Sign]:
     if message.order is not None:
         if memory.order and message.order != memory.order and memory.nodes_left > 0:
-            says = f"order {memory.order} gave way to {message.order or 'none'} with {memory.nodes_left} nodes to go"
+            left = f"{memory.nodes_left} node{'' if memory.nodes_left == 1 else 's'} to go"
+            became = f"was replaced by order {message.order}" if message.order else "was dropped"
+            says = f"order {memory.order} {became} with {left}"
             yield Sign(kind="order_replaced", says=says, criticality=1)
         memory.order = message.order
     if message.nodes_left is not None:
