@@ -13,11 +13,11 @@ from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.domains import load
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.simulated import SimulatedDriver
-from wakeful.facts.domain import DomainSpec
+from wakeful.facts.domain import DomainSpec, FieldSpec
 from wakeful.facts.events import Condition, Draft, Observation, Phase, Undecodable
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Verdict
-from wakeful.facts.lines import Admitted, AnyRecord, Created, Judged, Refused
+from wakeful.facts.lines import Admitted, AnyRecord, Created, Judged, Noted, Published, Refused
 from wakeful.facts.time import NS_PER_S
 from wakeful.journal import MemoryJournal
 from wakeful.journal.audit import audit
@@ -164,3 +164,19 @@ def test_what_one_recording_shows_is_never_the_outcome_of_another_whose_clock_ov
     driver.close()
     of = {record.event.id: record.event.source for record in records(journal, Admitted)}
     assert {of[judged.event] for judged in records(journal, Judged) if judged.label == "failure"} == {"second"}
+
+
+def test_a_model_of_other_fields_is_named_and_the_mind_goes_on_by_guidelines() -> None:
+    journal = run([event(n, n * 400, kind="leak" if n % 2 else "alarm") for n in range(40)])
+    assert any(record.card.accepted for record in records(journal, Published))
+    other = WithGap(None)
+    spec = msgspec.structs.replace(other.spec, fields={**other.spec.fields, "load": FieldSpec(values=("light", "heavy"))})
+    other.spec = spec
+    kernel, learner = assemble(other)
+    driver = SimulatedDriver(kernel, journal, GuidelineReasoner(spec), learner)
+    for _ in driver.run("later", "later", lambda after: iter([event(0, 50_000)][after + 1 :])):
+        pass
+    driver.close()
+    assert [record.what for record in records(journal, Noted)].count("model not usable") == 1
+    assert records(journal, Admitted)[-1].event.source == "later"
+    assert audit(journal).ok

@@ -340,7 +340,12 @@ class Kernel:
         self._learn()
 
     def _use(self, card: ModelCard, weights: bytes) -> None:
-        self._selector.use(card, weights)
+        """Select with that version; one that was fitted to other fields of the domain is named and left, guidelines go on."""
+        try:
+            self._selector.use(card, weights)
+        except ValueError as error:
+            self.note("model not usable", f"{error}; decided by guidelines until the next version")
+            return
         self._weights = weights
 
     # --- sources ---
@@ -502,8 +507,6 @@ class Kernel:
                 card = line.record.card if line.record.card.accepted else card
             elif isinstance(line.record, TrainingAsked):
                 asked = line.record
-        if card is not None:
-            self._use(card, blobs[card.blob])
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
@@ -516,6 +519,8 @@ class Kernel:
             self._parts[source] = set(parts)
             self._registrars[source] = registrar
         self._scheduler.shelf.restore(state)
+        if card is not None:
+            self._use(card, blobs[card.blob])
         self._scheduler.recover()
         if asked is not None:
             self._trainings.append(self._training(asked))
