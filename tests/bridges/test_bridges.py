@@ -53,12 +53,9 @@ def test_a_file_that_nothing_reads_is_answered_with_what_could_be_read(tmp_path:
 
 
 @pytest.mark.parametrize("suffix", KINDS)
-def test_an_empty_file_is_one_error_or_nothing(suffix: str, tmp_path: Path) -> None:
+def test_an_empty_file_is_one_error(suffix: str, tmp_path: Path) -> None:
     empty = tmp_path / f"empty{suffix}"
     empty.touch()
-    if suffix == ".jsonl":
-        assert list(bridge_for(empty).read(empty)) == []
-        return
     with pytest.raises(SourceError, match=f"empty{suffix}"):
         list(bridge_for(empty).read(empty))
 

@@ -98,3 +98,38 @@ def test_the_recorded_vda5050_examples_are_told_apart(shared_data: Path) -> None
             assert item.topic in ("state", "order", "connection", "instantActions", "visualization", "message")
         states = [path for path in folder.glob("*.json") if "operatingMode" in json.loads(path.read_text())]
         assert topics(*JsonlBridge().read(folder)).count("state") == len(states)
+
+
+@pytest.mark.parametrize("content", ["", "\n \n"])
+def test_a_file_without_any_line_is_an_error_and_empty_standard_input_is_none(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "a.jsonl"
+    path.write_text(content)
+    with pytest.raises(SourceError, match="is empty"):
+        JsonlBridge().peek(path)
+    with pytest.raises(SourceError, match="is empty"):
+        list(JsonlBridge().read(path))
+    assert list(JsonlBridge(stdin=in_memory(content.encode())).read(STDIN)) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ('{"event": 5}', "`event` must hold an object, not 5"),
+        ('{"outcome": null}', "`outcome` must hold an object"),
+        ('{"evnt": {"kind": "a", "entity": "b"}}', "did you mean `event`"),
+        ('{"Events": {"kind": "a", "entity": "b"}}', "did you mean `event`"),
+        ('{"obervation": {"topic": "a", "values": {}}}', "did you mean `observation`"),
+    ],
+)
+def test_a_misspelt_or_misused_word_of_the_schema_is_refused(line: str, says: str) -> None:
+    (item,) = JsonlBridge(stdin=in_memory(line.encode())).read(STDIN)
+    assert isinstance(item, Undecodable)
+    assert says in item.reason
+
+
+@pytest.mark.parametrize(
+    "line", ['{"evnt": 5}', '{"state": {"a": 1}}', '{"event": 5, "b": 1}', '{"evnt": {"a": 1}, "b": 2}', "{}"]
+)
+def test_any_other_object_is_still_an_observation(line: str) -> None:
+    (item,) = JsonlBridge(stdin=in_memory(line.encode())).read(STDIN)
+    assert isinstance(item, Observation)

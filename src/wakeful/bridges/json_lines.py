@@ -23,6 +23,7 @@ At = str | int | float
 
 _TIME_NAMES: Final = ("timestamp", "at", "time")
 _MAX_ID_CHARS: Final = 200
+_MISSPELT_LETTERS: Final = 2
 
 
 class Said(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -145,13 +146,39 @@ def item_of(text: bytes, source: str, position: int, before_ns: int) -> tuple[It
     """
     said = _object(text)
     word = next(iter(said)) if len(said) == 1 else ""
-    if word not in LINES or not isinstance(said[word], Mapping):
+    if word not in LINES:
+        if word and isinstance(said[word], Mapping) and (meant := _misspelt(word)):
+            raise Refused(f"not a line of the schema: `{word}` is none of {', '.join(LINES)}; did you mean `{meant}`?")
         return _message(said, source, position, before_ns)
+    if not isinstance(said[word], Mapping):
+        raise Refused(f"not a line of the schema: `{word}` must hold an object, not {_shown(said[word])}")
     try:
         line = msgspec.convert(said, LINES[word])
         return _item(line, text, source, position, before_ns)
     except (msgspec.ValidationError, ValueError, OverflowError) as failure:
         raise Refused(f"not a line of the schema: {failure}") from failure
+
+
+def _misspelt(word: str) -> str:
+    """Which of the four a word was meant to be: the first within two letters of it; empty where none is."""
+    return next((name for name in LINES if _distance(word.lower(), name) <= _MISSPELT_LETTERS), "")
+
+
+def _distance(one: str, other: str) -> int:
+    """How many letters must be added, left out or changed to make one word of the other."""
+    if abs(len(one) - len(other)) > _MISSPELT_LETTERS:
+        return _MISSPELT_LETTERS + 1
+    before = list(range(len(other) + 1))
+    for row, letter in enumerate(one, 1):
+        now = [row]
+        for column, against in enumerate(other, 1):
+            now.append(min(before[column] + 1, now[-1] + 1, before[column - 1] + (letter != against)))
+        before = now
+    return before[-1]
+
+
+def _shown(value: Value) -> str:
+    return json.dumps(value, default=str)[:40]
 
 
 def _object(text: bytes) -> dict[str, Value]:

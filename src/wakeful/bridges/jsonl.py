@@ -95,7 +95,12 @@ class JsonlBridge:
             for file in files:
                 yield from _file(file)
             return
-        yield from _file(path)
+        texts = _file(path)
+        first = next(texts, None)
+        if first is None:
+            raise SourceError(f"{path} is empty: there is no line in it")
+        yield first
+        yield from texts
 
 
 def _file(path: Path) -> Texts:
