@@ -42,3 +42,8 @@ def test_only_the_values_that_were_asked_for() -> None:
 def test_an_edge_of_no_known_kind_is_refused() -> None:
     with pytest.raises(DomainError, match=r"Invalid enum value 'up' - at `\$\.on`; it knows on, first"):
         detector("edge", on="up")
+
+
+def test_a_long_time_is_written_out() -> None:
+    ((_, found),) = founds(detector("edge"), ["AUTO"] * 18_812 + ["MANUAL"])
+    assert "after 18800 s" in found.says

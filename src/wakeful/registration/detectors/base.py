@@ -131,6 +131,16 @@ class PerChannel(Generic[M]):
         return memory
 
 
+def said(value: float) -> str:
+    """A number to three significant digits as a sentence says it, written out where a person would.
+
+    >>> said(24.31), said(18_812.0)
+    ('24.3', '18800')
+    """
+    rounded = float(f"{value:.3g}")
+    return f"{rounded:.0f}" if 100 <= abs(rounded) < 1e9 else f"{rounded:.3g}"
+
+
 def short(value: float) -> float:
     """A number with five significant digits: as many as a person or a learner can use."""
     return float(f"{value:.5g}")

@@ -13,7 +13,7 @@ from wakeful.facts.events import Observation
 from wakeful.facts.values import Field
 from wakeful.registration.channels import Channels, named
 from wakeful.registration.cycle_clock import CycleClock, Place
-from wakeful.registration.detectors.base import CHANNELS, Count, Memory, Positive, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import CHANNELS, Count, Memory, Positive, Seen, Settings, said, settings_of, short
 from wakeful.registration.learned_band import Band
 from wakeful.registration.plain import number
 
@@ -115,7 +115,7 @@ class CycleDetector:
         if score <= self._settings.width:
             return None
         self._cycles.told = True
-        says = f"cycle {self._cycles.place.value} goes on for {gone_s:.3g} s, usually {usual.middle:.3g} s"
+        says = f"cycle {self._cycles.place.value} goes on for {said(gone_s)} s, usually {said(usual.middle)} s"
         return self._found("duration", score, gone_s, usual.middle, says, True, observation)
 
     def _end(self, place: Place, observation: Observation) -> Found | None:

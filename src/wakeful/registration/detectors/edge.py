@@ -9,7 +9,7 @@ import msgspec
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.facts.values import Field, Value
-from wakeful.registration.detectors.base import PerChannel, Seen, Settings, settings_of
+from wakeful.registration.detectors.base import PerChannel, Seen, Settings, said, settings_of
 from wakeful.registration.plain import Scalar, elapsed_s, scalar
 
 
@@ -81,7 +81,7 @@ class EdgeDetector(PerChannel[Last]):
 
 
 def _says(channel: str, was: Scalar | None, now: Scalar, lasted_s: float) -> str:
-    before = "" if was is None or lasted_s == float("inf") else f" after {lasted_s:.3g} s"
+    before = "" if was is None or lasted_s == float("inf") else f" after {said(lasted_s)} s"
     if isinstance(now, bool):
         return f"{channel} {'came on' if now else 'went off'}{before}"
     return f"{channel} is {now}" + (f"{before} of {was}" if was is not None else "")

@@ -14,7 +14,7 @@ from wakeful.facts.events import Observation
 from wakeful.facts.values import Field
 from wakeful.registration.channels import Channels, named
 from wakeful.registration.cycle_clock import CycleClock, Place
-from wakeful.registration.detectors.base import Count, Positive, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import Count, Positive, Seen, Settings, said, settings_of, short
 from wakeful.registration.plain import Scalar, scalar
 
 TIMES: Final = 32
@@ -99,5 +99,7 @@ class RecurrenceDetector:
             "into_cycle_s": short(min(near)),
         }
         entity = named(self.spec.entity, channel, observation.topic, observation.robot or self._robot)
-        says = f"{channel} rose {min(near):.3g} s into {len(near)} of the last {settings.within} cycles, {ahead_s:.2g} s from now"
+        says = (
+            f"{channel} rose {said(min(near))} s into {len(near)} of the last {settings.within} cycles, {ahead_s:.2g} s from now"
+        )
         return Found(fields=fields, says=f"{self.spec.says or self.spec.kind}: {says}", entity=entity)

@@ -11,7 +11,7 @@ from wakeful.contracts.detector import Found
 from wakeful.facts.domain import DetectorSpec, DomainSpec
 from wakeful.facts.events import Observation, Phase
 from wakeful.registration.channels import named, reaches
-from wakeful.registration.detectors.base import Count, NotNegative, Positive, Seen, Settings, settings_of, short
+from wakeful.registration.detectors.base import Count, NotNegative, Positive, Seen, Settings, said, settings_of, short
 from wakeful.registration.plain import clean, elapsed_s
 
 TOPICS: Final = 512
@@ -131,7 +131,7 @@ class SilenceDetector:
         word = "is heard again after" if phase is Phase.CLEARED else "is silent for"
         return Found(
             fields={"topic": topic, "silent_s": short(silent_s), "usual_s": short(rhythm.usual_s)},
-            says=f"{self.spec.says or self.spec.kind}: {topic} {word} {silent_s:.3g} s, usually every {rhythm.usual_s:.3g} s",
+            says=f"{self.spec.says or self.spec.kind}: {topic} {word} {said(silent_s)} s, usually every {said(rhythm.usual_s)} s",
             entity=named(self.spec.entity, topic, topic, observation.robot or self._robot),
             phase=phase,
             type=self.spec.kind,
