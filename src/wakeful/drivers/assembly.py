@@ -9,7 +9,7 @@ from wakeful.domains import load
 from wakeful.facts.settings import MindSettings
 from wakeful.kernel import Kernel
 from wakeful.learning.two_heads import TwoHeads
-from wakeful.scheduling import SuspendResume
+from wakeful.scheduling.policies.deadline_aware import DeadlineAware
 from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.treatments.registry import Registry
 
@@ -29,7 +29,7 @@ def assemble(
         settings: how the mind thinks; the documented defaults where None.
         registry: the treatments; those of wakeful and of installed packages where None.
         learner: F_θ's trainer; the two-headed network where None.
-        policy: who holds a slot; suspend and resume by priority where None.
+        policy: who holds a slot; the deadline-aware one where None.
 
     Raises:
         DomainError: there is no such domain, or it cannot be read.
@@ -38,7 +38,7 @@ def assemble(
     found = load(domain) if isinstance(domain, str) else domain
     trains = learner if learner is not None else TwoHeads()
     thinks = settings if settings is not None else MindSettings()
-    shares = policy if policy is not None else SuspendResume()
+    shares = policy if policy is not None else DeadlineAware()
     if thinks.primary_share:
         shares = PrimaryShare(shares, thinks.primary_share, thinks.primary_quantum_s)
     kernel = Kernel(

@@ -1,0 +1,34 @@
+"""Putting a kernel together: the rooms' defaults."""
+
+from __future__ import annotations
+
+import pytest
+
+from wakeful.contracts.policy import Policy
+from wakeful.drivers.assembly import assemble
+from wakeful.facts.settings import MindSettings
+from wakeful.kernel import Kernel
+from wakeful.scheduling.policies.deadline_aware import DeadlineAware
+from wakeful.scheduling.policies.primary_share import PrimaryShare
+from wakeful.scheduling.policies.suspend_resume import SuspendResume
+
+
+def policy_of(kernel: Kernel) -> Policy:
+    return kernel._scheduler.processes.policy
+
+
+def test_a_mind_is_deadline_aware_unless_told_otherwise() -> None:
+    assert isinstance(policy_of(assemble("jsonl")[0]), DeadlineAware)
+    assert isinstance(policy_of(assemble("jsonl", policy=SuspendResume())[0]), SuspendResume)
+
+
+def test_a_share_for_the_primary_task_is_kept_by_whatever_policy_is_used() -> None:
+    kernel, _ = assemble("jsonl", MindSettings(primary_share=0.3), policy=SuspendResume())
+    shared = policy_of(kernel)
+    assert isinstance(shared, PrimaryShare)
+    assert shared.name == "suspend_resume"
+
+
+def test_a_share_that_is_none_is_refused() -> None:
+    with pytest.raises(ValueError, match="primary_share is 2"):
+        assemble("jsonl", MindSettings(primary_share=2.0))
