@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from tests.cli.conftest import Wakeful
+from wakeful.revision.revision import RevisionSettings
 
 
 def test_trust_shows_what_each_treatment_earned_and_lost(wakeful: Wakeful, journal: Path) -> None:
@@ -19,3 +20,10 @@ def test_learning_lists_model_versions_with_their_lineage(wakeful: Wakeful, jour
     rows = [line.split("\t") for line in wakeful("learning", "--journal", journal).stdout.splitlines()]
     assert [row[:2] for row in rows[1:]] == [["1", "0"], ["2", "1"]]
     assert [row[4] for row in rows[1:]] == ["yes", "no"]
+
+
+def test_a_treatment_whose_trust_never_changed_has_a_number_too(wakeful: Wakeful, journal: Path) -> None:
+    rows = {row["treatment"]: row for row in json.loads(wakeful("trust", "--journal", journal, "--json").stdout)}
+    assert (rows["planning"]["trust"], rows["planning"]["began"]) == (RevisionSettings().initial, True)
+    assert rows["diagnosis"]["began"] is False
+    assert f"planning\t{RevisionSettings().initial:.3f}\t" in wakeful("trust", "--journal", journal).stdout

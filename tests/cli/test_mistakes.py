@@ -97,3 +97,13 @@ def test_an_output_that_takes_nothing_is_one_line(journal: Path, arguments: tupl
     assert result.returncode == 1
     assert len(result.stderr.splitlines()) == 1, result.stderr
     assert says in result.stderr
+
+
+def test_a_wrong_domain_is_said_before_anything_about_the_source(wakeful: Wakeful) -> None:
+    _one_line(wakeful("run", "--domain", "nope", "x.jsonl"), 1, "no domain 'nope'")
+
+
+def test_no_directory_is_made_for_a_journal_that_was_named(wakeful: Wakeful, tmp_path: Path) -> None:
+    place = tmp_path / "no" / "such" / "mind.db"
+    _one_line(wakeful("run", "service_robot", "--events", 1, "--journal", place), 1, "there is no directory", "--journal")
+    assert not (tmp_path / "no").exists()

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from tests.cli.conftest import Wakeful
+from tests.cli.conftest import Wakeful, written
+from tests.journal.builder import Book
+from wakeful.facts.lines import Finished
 
 
 def test_observations_per_event_and_incidents_beside_chance(wakeful: Wakeful, journal: Path) -> None:
@@ -21,3 +23,10 @@ def test_json_has_kinds_and_incidents(wakeful: Wakeful, journal: Path) -> None:
     assert told["within_s"] == 20
     assert {row["kind"] for row in told["kinds"]} == {"joint_current", "grip_lost", "temperature"}
     assert told["incidents"][0]["incidents"] == 1
+
+
+def test_a_silent_recording_says_that_no_event_came_of_it(wakeful: Wakeful, tmp_path: Path) -> None:
+    book = Book()
+    book.write(Finished(source="arm.xlsx", observations=4093))
+    told = wakeful("stats", "--journal", written(list(book.lines()), tmp_path / "silent.db")).stdout
+    assert told == "No event came of 4,093 observations.\n"

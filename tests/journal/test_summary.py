@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from tests.journal.builder import Book, full_book
 from tests.journal.strategies import any_lines
 from tests.journal.test_audit import Pages
-from wakeful.facts.lines import Line
+from wakeful.facts.evidence import Outcome
+from wakeful.facts.lines import Line, Witnessed
 from wakeful.facts.processes import Trigger
 from wakeful.journal.summary import Summary, share, summary
 
@@ -106,3 +107,25 @@ def test_the_summary_never_raises_on_typed_lines_and_is_sound_json(lines: list[L
     assert 0.0 <= told.completion <= 1.0
     assert math.isfinite(told.duration_s)
     assert msgspec.json.decode(msgspec.json.encode(told), type=Summary) == told
+
+
+def test_automatic_results_are_right_in_a_share_of_their_own_beside_the_deliberated() -> None:
+    told = summary(full_book())
+    assert (told.automatic_right.right, told.automatic_right.of) == (3, 3)
+    assert (told.deliberated_right.right, told.deliberated_right.of) == (0, 1)
+    assert told.automatic_right.low < 0.5
+
+
+def test_outcomes_that_judged_nothing_are_counted_with_their_reason() -> None:
+    book = full_book()
+    book.witness("protective_stop")
+    book.witness("protectve_stop")
+    unknown = Outcome(id="o-x", topic="outcome", entity="*", label="none", at_ns=0, event="f" * 20)
+    book.write(Witnessed(outcome=unknown))
+    told = summary(book)
+    assert (told.outcomes_witnessed, told.outcomes_matched) == (4, 1)
+    assert told.outcomes_unmatched == {
+        "no result that waited for it": 1,
+        "the label 'protectve_stop', which no forecast knows": 1,
+        "an event that does not exist": 1,
+    }

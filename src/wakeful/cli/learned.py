@@ -13,13 +13,15 @@ from wakeful.facts.experience import Verdict
 from wakeful.facts.time import to_s
 from wakeful.journal.views import History, View, history
 from wakeful.journal.wording.words import duration, percent
+from wakeful.revision.revision import RevisionSettings
 
 
 class TrustRow(View, frozen=True):
-    """Trust in one treatment, with what it was earned and lost on. ``trust`` is None where it was never changed."""
+    """Trust in one treatment, with what it was earned and lost on. ``began``: never changed, it is what trust begins at."""
 
     treatment: str
-    trust: float | None
+    trust: float
+    began: bool
     raised: int
     lowered: int
     supported: int
@@ -47,7 +49,7 @@ def trust_command(journal: Path | None, as_json: bool) -> None:
         [
             [
                 row.treatment,
-                "as it began" if row.trust is None else f"{row.trust:.3f}",
+                f"{row.trust:.3f}",
                 str(row.raised),
                 str(row.lowered),
                 str(row.supported),
@@ -73,13 +75,14 @@ def _trust(read: History) -> list[TrustRow]:
         rows.append(
             TrustRow(
                 treatment=name,
-                trust=changes[-1].after if changes else None,
+                trust=changes[-1].after if changes else RevisionSettings().initial,
+                began=not changes,
                 raised=sum(1 for change in changes if change.after > change.before),
                 lowered=sum(1 for change in changes if change.after < change.before),
                 supported=verdicts[name, Verdict.SUPPORTED],
                 contradicted=verdicts[name, Verdict.CONTRADICTED],
                 reopened=reopened[name],
-                last_change=changes[-1].why if changes else "",
+                last_change=changes[-1].why if changes else "never changed: this is what trust begins at",
             )
         )
     return rows

@@ -116,6 +116,8 @@ def run_command(
         found = msgspec.structs.replace(found, items=_for_robot(found.items, robot))
     limit = events if events is not None else SIMULATED_EVENTS if found.endless else None
     path = journal or default_journal(found)
+    if journal is not None and not journal.parent.is_dir():
+        raise Mistake(f"there is no directory {journal.parent} for the journal; make it, or name another place with --journal")
     began_s = time.monotonic()
     with stoppable() as stop, open_journal(path) as opened:
         _check_domain(opened, found, path)

@@ -45,6 +45,8 @@ def find_source(source: str, domain: str | None, seed: int) -> Source:
         SourceError: it cannot be read.
         DomainError: the domain cannot be used.
     """
+    if domain is not None:
+        load(domain)  # what is wrong with it is said before anything about the source
     path = Path(source)
     if source != STDIN and not path.exists():
         return _simulated(source, domain, seed)

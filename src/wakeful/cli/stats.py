@@ -33,6 +33,10 @@ def stats_command(journal: Path | None, within_s: float | None, as_json: bool) -
 
 
 def _print(told: Stats) -> None:
+    if not told.events:
+        over = f" in {duration(told.duration_s)}" if told.duration_s else ""
+        say(f"No event came of {count(told.observations, 'observation')}{over}.")
+        return
     say(f"{count(told.observations, 'observation')} became {count(told.events, 'event')}.")
     say(f"One event stands for {told.observations_per_event:,.1f} observations.")
     say(f"{told.events_per_hour:,.1f} events an hour, over {duration(told.duration_s)}.")

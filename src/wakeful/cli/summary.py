@@ -62,6 +62,8 @@ def print_state(told: Summary) -> None:
         f"{told.outcomes_witnessed:,} witnessed, {told.outcomes_matched:,} matched to a result, "
         f"{count(told.windows_closed, 'window')} closed over none",
     )
+    for reason, number in list(told.outcomes_unmatched.items())[:4]:
+        row("", f"{number:,} changed nothing: {plain(reason, 100)}")
     row("verdicts", _named(told.verdicts))
     _accuracy(told)
     row("reasoner", f"{count(told.reasoner_calls, 'call')}" + (f", {told.cost_usd:.4f} USD" if told.cost_usd else ""))
@@ -92,6 +94,9 @@ def _accuracy(told: Summary) -> None:
     if accuracy.result.of:
         base = f"; always “{plain(accuracy.base_label)}” would be right in {percent(accuracy.base_rate.fraction)}"
         row("result right", _share(accuracy.result) + base)
+    if told.automatic_right.of:
+        beside = f"; deliberated: {_share(told.deliberated_right)}" if told.deliberated_right.of else ""
+        row("automatic right", _share(told.automatic_right) + beside)
     if accuracy.joint.of:
         row("both right", _share(accuracy.joint))
 
@@ -104,9 +109,10 @@ def print_curve(told: Summary) -> None:
     automatic: list[float | None] = [stretch.automatic for stretch in told.curve]
     right = [stretch.result.fraction for stretch in told.curve]
     known = [share for share in right if share is not None]
+    were = f"; {percent(told.automatic_right.fraction)} of them were right" if told.automatic_right.of else ""
     row(
         "automatic share",
-        f"{blocks(automatic)}  {percent(automatic[0], 0)} in the first tenth, {percent(automatic[-1], 0)} in the last",
+        f"{blocks(automatic)}  {percent(automatic[0], 0)} in the first tenth, {percent(automatic[-1], 0)} in the last{were}",
     )
     if known:
         row("result right", f"{blocks(right)}  {percent(known[0], 0)} in the first tenth, {percent(known[-1], 0)} in the last")

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from wakeful.facts.decisions import Mode
 from wakeful.facts.events import CRITICAL
 from wakeful.facts.experience import Verdict
 from wakeful.facts.processes import Completion, State
@@ -15,6 +16,7 @@ from wakeful.journal.history import EventPast, History, ProcessPast, history
 from wakeful.journal.incidents import observations_of
 from wakeful.journal.readable import Readable, View
 from wakeful.journal.strange import StrangeEpisode, strangest
+from wakeful.journal.unmatched import outcomes_unmatched
 
 DECILES = 10
 REASONS_TOLD = 20
@@ -92,9 +94,14 @@ class Summary(View, frozen=True):
     debt: int
     outcomes_witnessed: int
     outcomes_matched: int
+    outcomes_unmatched: dict[str, int]
+    """Outcomes that judged no result, by reason: an unknown label, an event that does not exist, nothing that waited."""
     windows_closed: int
     verdicts: dict[str, int]
     accuracy: Accuracy
+    automatic_right: Share
+    """Of the automatic results that the world decided, those that were right."""
+    deliberated_right: Share
     reasoner_calls: int
     cost_usd: float
     reopened: int
@@ -149,9 +156,12 @@ def summary_of(read: History, strange: int = 5) -> Summary:
         debt=sum(1 for past in read.events.values() if in_debt(read, past)),
         outcomes_witnessed=len(read.outcomes),
         outcomes_matched=sum(1 for verdict in judged if verdict.outcome),
+        outcomes_unmatched=_reasons(outcomes_unmatched(read)),
         windows_closed=sum(1 for verdict in judged if not verdict.outcome and verdict.verdict is not Verdict.UNDECIDED),
         verdicts={verdict.value: sum(1 for row in judged if row.verdict is verdict) for verdict in Verdict},
         accuracy=accuracy(roots),
+        automatic_right=right_in(roots, "auto"),
+        deliberated_right=right_in(roots, "delib"),
         reasoner_calls=read.reasoner_calls,
         cost_usd=read.cost_usd,
         reopened=len(read.reopened),
@@ -191,6 +201,19 @@ def accuracy(roots: Sequence[tuple[EventPast, ProcessPast]]) -> Accuracy:
         base_rate=share(common[0][1] if common else 0, len(decided)),
         base_label=common[0][0] if common else "",
     )
+
+
+def right_in(roots: Sequence[tuple[EventPast, ProcessPast]], mode: Mode) -> Share:
+    """Of the results in this mode that the world decided, those that were right."""
+    decided = [
+        root.judged
+        for _, root in roots
+        if root.judged
+        and root.judged.verdict is not Verdict.UNDECIDED
+        and root.decision is not None
+        and (root.concluded.mode if root.concluded else root.decision.mode) == mode
+    ]
+    return share(sum(judged.predicted == judged.label for judged in decided), len(decided))
 
 
 def curve(roots: Sequence[tuple[EventPast, ProcessPast]], stretches: int = DECILES) -> tuple[Stretch, ...]:
