@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from wakeful.cli import terminal
+from wakeful.cli.main import main
 from wakeful.cli.terminal import paragraph, say, table
 
 
@@ -42,3 +45,29 @@ def test_a_paragraph_hangs_under_its_label(capsys: pytest.CaptureFixture[str]) -
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("  says    The gripper")
     assert lines[1].startswith(" " * 10)
+
+
+@pytest.mark.usefixtures("narrow")
+def test_other_columns_are_left_out_before_the_last_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
+    columns = ["event", "mode", "kind", "says"]
+    says = "The gripper lost its part over the third crate today"
+    table(columns, [["a1b2", "auto", "grip", says]], drop=["mode", "kind"])
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["event", "says"]
+    assert lines[1] == f"a1b2   {says}"
+    table(columns, [["a1b2", "auto", "grip", says[:44]]], drop=["mode", "kind"])
+    assert capsys.readouterr().out.splitlines()[0].split() == ["event", "kind", "says"]
+
+
+@pytest.mark.usefixtures("narrow")
+def test_events_on_a_narrow_terminal_keep_what_they_say(journal: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["events", "--journal", str(journal)], standalone_mode=False)
+    lines = capsys.readouterr().out.splitlines()
+    assert max(len(line) for line in lines) <= 60
+    assert all("current left its band" in line for line in lines[1:])
+
+
+@pytest.mark.usefixtures("narrow")
+def test_what_is_short_enough_keeps_every_column(capsys: pytest.CaptureFixture[str]) -> None:
+    table(["event", "mode", "says"], [["a1b2", "auto", "short"]], drop=["mode"])
+    assert capsys.readouterr().out.splitlines()[0].split() == ["event", "mode", "says"]

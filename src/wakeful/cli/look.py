@@ -94,6 +94,7 @@ def events_command(
             for row in shown
         ],
         whole=["event", "when"],
+        drop=["mode", "treatment", "when", "entity", "ended", "kind"],
     )
     if len(shown) < len(rows):
         click.echo(f"the last {len(shown)} of {count(len(rows), 'event')}; --limit 0 shows all", err=True)

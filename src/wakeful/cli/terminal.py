@@ -6,13 +6,17 @@ import shutil
 import sys
 import textwrap
 from collections.abc import Sequence
+from typing import TypeVar
 
 import click
 
 from wakeful.journal.wording.words import plain
 
+T = TypeVar("T")
+
 _PIPED_WIDTH = 110
 _NARROWEST = 8
+_NARROW = 80
 _BLOCKS = "▁▂▃▄▅▆▇█"
 
 
@@ -58,7 +62,13 @@ def row(label: str, text: str, width: int = 17) -> None:
         paragraph(text, 2, width, label.ljust(width))
 
 
-def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequence[str] = (), whole: Sequence[str] = ()) -> None:
+def table(
+    columns: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    numbers: Sequence[str] = (),
+    whole: Sequence[str] = (),
+    drop: Sequence[str] = (),
+) -> None:
     """Print a table: aligned and cut to the terminal's width, or with tabs and nothing cut where it is piped.
 
     Args:
@@ -66,6 +76,8 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequen
         rows: cells as text, as many as headings.
         numbers: headings of columns that are aligned to the right; they are never cut.
         whole: headings of further columns that are never cut.
+        drop: headings of columns that a terminal may leave out, in this order, before the last column is cut: all of them where
+            it is narrow, else as many as give the last column half of the width.
     """
     clean = [[plain(cell) for cell in row] for row in rows]
     if not on_terminal():
@@ -73,10 +85,27 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[str]], numbers: Sequen
             say("\t".join(row))
         return
     widest = [max(len(row[index]) for row in [list(columns), *clean]) for index in range(len(columns))]
+    kept = _kept(columns, widest, drop, width())
+    columns, widest, clean = _only(columns, kept), _only(widest, kept), [_only(row, kept) for row in clean]
     widths = fitted(widest, width(), [index for index, column in enumerate(columns) if column in (*numbers, *whole)])
     say(_line(columns, widths, columns, numbers), bold=True)
     for row in clean:
         say(_line(row, widths, columns, numbers))
+
+
+def _kept(columns: Sequence[str], widest: Sequence[int], drop: Sequence[str], room: int) -> list[int]:
+    """The columns that stay, where the last one is to be cut only after those of ``drop`` were left out."""
+    kept = list(range(len(columns)))
+    wanted = widest[-1] if room < _NARROW else min(widest[-1], room // 2)
+    for name in drop:
+        if room - sum(widest[index] + 2 for index in kept[:-1]) >= wanted:
+            break
+        kept.remove(list(columns).index(name))
+    return kept
+
+
+def _only(cells: Sequence[T], kept: Sequence[int]) -> list[T]:
+    return [cells[index] for index in kept]
 
 
 def fitted(widths: Sequence[int], room: int, whole: Sequence[int] = ()) -> list[int]:
