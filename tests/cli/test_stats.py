@@ -30,3 +30,16 @@ def test_a_silent_recording_says_that_no_event_came_of_it(wakeful: Wakeful, tmp_
     book.write(Finished(source="arm.xlsx", observations=4093))
     told = wakeful("stats", "--journal", written(list(book.lines()), tmp_path / "silent.db")).stdout
     assert told == "No event came of 4,093 observations.\n"
+
+
+def test_good_ends_are_no_incidents(wakeful: Wakeful, tmp_path: Path) -> None:
+    book = Book(domain="vda5050")
+    book.wait(5)
+    book.admit()
+    for label in ("cleared", "stopped", "cleared"):
+        book.wait(5)
+        book.witness(label)
+    path = written(list(book.lines()), tmp_path / "vehicle.db")
+    told = json.loads(wakeful("stats", "--journal", path, "--json").stdout)
+    assert [(row["label"], row["incidents"]) for row in told["incidents"]] == [("any", 1), ("stopped", 1)]
+    assert told["duration_s"] == 15

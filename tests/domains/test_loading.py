@@ -171,3 +171,12 @@ def test_a_more_particular_domain_scores_higher_and_a_missing_channel_excludes()
 
 def test_a_source_like_no_domain_is_not_recognised() -> None:
     assert recognise(Peek(bridge="no_such_bridge", channels=("a/b",)), Path("x.bin")) is None
+
+
+def test_an_incident_that_is_no_label_is_a_mistake_and_every_domain_has_one_at_least() -> None:
+    with pytest.raises(DomainError, match=r"outcome\.incidents: 'crash' is not in outcome\.labels"):
+        parse_spec(GOOD.replace('labels = ["none", "stop"]', 'labels = ["none", "stop"]\nincidents = ["crash"]'), "mine.toml")
+    for name in names():
+        outcome = load(name).spec.outcome
+        assert outcome.incidents or outcome.labels[1:]
+        assert outcome.labels[0] not in outcome.incidents

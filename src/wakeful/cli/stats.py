@@ -8,7 +8,9 @@ import click
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
 from wakeful.cli.terminal import heading, paragraph, say, table
-from wakeful.journal.views import Stats, stats
+from wakeful.contracts.domain import DomainError
+from wakeful.domains import load, names
+from wakeful.journal.views import History, Stats, history, stats_of
 from wakeful.journal.wording.words import count, duration, percent
 
 
@@ -25,11 +27,27 @@ from wakeful.journal.wording.words import count, duration, percent
 def stats_command(journal: Path | None, within_s: float | None, as_json: bool) -> None:
     """Say how many observations each event stands for, events per hour by kind, and which incidents had a sign before."""
     with reading(journal) as opened:
-        told = stats(opened, within_s)
+        read = history(opened)
+    told = stats_of(read, within_s, _incidents(read))
     if as_json:
         print_json(told)
     else:
         _print(told)
+
+
+def _incidents(read: History) -> set[str] | None:
+    """The outcome labels that are incidents to the journal's domain; None where it is not on this machine."""
+    labels: set[str] = set()
+    for name in {opened.domain for opened in read.opened}:
+        # A journal from elsewhere may name a path; only what is installed is loaded.
+        if name not in names():
+            return None
+        try:
+            outcome = load(name).spec.outcome
+        except DomainError:
+            return None
+        labels.update(outcome.incidents or outcome.labels[1:])
+    return labels or None
 
 
 def _print(told: Stats) -> None:

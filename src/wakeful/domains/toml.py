@@ -151,6 +151,9 @@ def _detector_mistakes(place: str, detector: DetectorSpec) -> Iterator[Mistake]:
 def _outcome_mistakes(outcome: OutcomeSpec) -> Iterator[Mistake]:
     if not outcome.labels or len(set(outcome.labels)) != len(outcome.labels):
         yield "outcome.labels", "needs at least one label, each once", 'for instance ["none", "intervention"]'
+    for label in outcome.incidents:
+        if label not in outcome.labels:
+            yield "outcome.incidents", f"{label!r} is not in outcome.labels", f"use some of {', '.join(outcome.labels)}"
     if not outcome.within_s > 0:
         yield "outcome.within_s", f"{outcome.within_s} must be above 0", "give seconds"
     if outcome.scope not in ("entity", "robot"):

@@ -56,7 +56,8 @@ class OutcomeSpec(Fact, frozen=True):
     ``labels[0]`` is what an unbroken window without any outcome means (usually ``none``). ``gap_s``: a source that is not
     heard for longer was not recording then, and windows over such a stretch stay undecided; None for sources that speak
     only when something happens. ``scope``: ``entity`` matches outcomes of the event's own entity (and of ``*``), ``robot``
-    any outcome of the robot.
+    any outcome of the robot. ``incidents`` are the labels that are bad ends, by which is told how well registration hears;
+    none named: all but the first.
     """
 
     topic: str = "outcome"
@@ -64,6 +65,7 @@ class OutcomeSpec(Fact, frozen=True):
     within_s: float = 60.0
     scope: str = "entity"
     gap_s: float | None = None
+    incidents: tuple[str, ...] = ()
 
 
 class OutcomeSource(Fact, frozen=True):

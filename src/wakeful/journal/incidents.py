@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import pairwise
 from statistics import median
 
@@ -65,20 +65,21 @@ class Stats(View, frozen=True):
     incidents: tuple[Heard, ...]
 
 
-def stats(journal: Readable, within_s: float | None = None) -> Stats:
+def stats(journal: Readable, within_s: float | None = None, bad: Collection[str] | None = None) -> Stats:
     """Registration's statistics.
 
     Args:
         journal: any journal.
         within_s: how long before an incident an event counts as its sign; None: the window of the journal's own forecasts.
+        bad: the labels of outcomes that are incidents, as the domain says; None: all but what a closed window means.
 
     Returns:
         the statistics; ``incidents`` is empty where the recording knows none, else its first row is of all labels.
     """
-    return stats_of(history(journal), within_s)
+    return stats_of(history(journal), within_s, bad)
 
 
-def stats_of(read: History, within_s: float | None = None) -> Stats:
+def stats_of(read: History, within_s: float | None = None, bad: Collection[str] | None = None) -> Stats:
     """The same from a history that was read already."""
     window_s = _own_window_s(read) if within_s is None else within_s
     events = [past.event for past in read.events.values()]
@@ -87,9 +88,9 @@ def stats_of(read: History, within_s: float | None = None) -> Stats:
     shown = sorted(
         (outcome.at_ns, outcome.label, outcome.id)
         for outcome in read.outcomes.values()
-        if outcome.origin == "world" and outcome.label not in quiet
+        if outcome.origin == "world" and (outcome.label not in quiet if bad is None else outcome.label in bad)
     )
-    known = sorted([*instants, *(at_ns for at_ns, _, _ in shown)])
+    known = sorted([*instants, *(outcome.at_ns for outcome in read.outcomes.values() if outcome.origin == "world")])
     start_ns, observed_ns = (known[0] if known else 0), _observed_ns(known)
     hours = to_s(observed_ns) / 3600
     frame = (start_ns, observed_ns, to_ns(window_s))
