@@ -8,8 +8,8 @@ import msgspec
 
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
-from wakeful.facts.lines import Answered, Asked
-from wakeful.facts.processes import ProcessView, State
+from wakeful.facts.lines import Answered, Asked, Moved
+from wakeful.facts.processes import ProcessView, State, Trigger, after
 from wakeful.facts.results import Result
 from wakeful.scheduling.wants import Want, Work
 
@@ -73,6 +73,17 @@ class Process(msgspec.Struct, kw_only=True):
     def next_seq(self) -> int:
         """The number of the next request."""
         return self.asked[-1].seq + 1 if self.asked else 1
+
+    def moved(self, trigger: Trigger, by: str = "") -> Moved:
+        """The record of its next transition; raises where the transition table has none."""
+        return Moved(
+            process=self.id,
+            before=self.state,
+            trigger=trigger,
+            after=after(self.state, trigger),
+            steps=self.steps + (self.ran if self.state is State.ACTIVE else 0),
+            by=by,
+        )
 
     def view(self) -> ProcessView:
         """What a policy may know of it."""
