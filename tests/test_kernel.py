@@ -180,3 +180,15 @@ def test_a_model_of_other_fields_is_named_and_the_mind_goes_on_by_guidelines() -
     assert [record.what for record in records(journal, Noted)].count("model not usable") == 1
     assert records(journal, Admitted)[-1].event.source == "later"
     assert audit(journal).ok
+
+
+def test_a_clock_that_runs_backwards_keeps_the_events_times_and_kernel_time_stands_still() -> None:
+    journal = run([event(0, 1000), event(1, 10), event(2, 1001)])
+    assert [record.event.stamp.source_ns - START_NS for record in records(journal, Admitted)] == [
+        1000 * NS_PER_S,
+        10 * NS_PER_S,
+        1001 * NS_PER_S,
+    ]
+    times = [line.at_ns for line in journal.lines()]
+    assert times == sorted(times)
+    assert audit(journal).ok
