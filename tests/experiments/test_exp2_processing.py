@@ -6,6 +6,8 @@ from functools import cache
 
 import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from wakeful.experiments.exp2_processing import (
     METHODS,
@@ -162,6 +164,59 @@ def test_a_mind_that_is_killed_again_and_again_decides_on_as_if_it_had_not_been(
             requests = kernel.feed(inputs, at_ns)
             journal.commit(requests.lines, kernel.changed(), requests.blobs)
     assert list(journal.lines()) == list(undisturbed.lines())
+
+
+ARRIVALS = st.builds(
+    Arrival,
+    step=st.integers(0, 30),
+    kind=st.sampled_from(["a", "b"]),
+    critical=st.booleans(),
+    task_relevant=st.booleans(),
+    work=st.integers(2, 6),
+    priority=st.integers(0, 5),
+    deadline_steps=st.none() | st.integers(1, 15),
+    evidence_steps=st.none() | st.integers(1, 20),
+)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.lists(ARRIVALS, min_size=1, max_size=25).map(lambda events: tuple(sorted(events, key=lambda each: each.step))),
+    st.sampled_from(METHODS),
+    st.sampled_from(["effort", "kind", "nothing"]),
+)
+def test_on_any_world_every_event_is_covered_at_every_position_and_no_step_is_lost(
+    world: tuple[Arrival, ...], method: Method, told: Told
+) -> None:
+    journal = run(world, method.policy(), told=told)
+    states: dict[int, State] = {}
+    limited: set[int] = set()
+    owed: list[str] = []
+    done = 0
+    for line in journal.lines():
+        record = line.record
+        if isinstance(record, Admitted):
+            owed.append(record.event.id)
+        elif isinstance(record, Created):
+            assert record.event == owed[-1]
+            states[record.process] = State.CREATED
+        elif isinstance(record, Asked):
+            assert record.expires_ns is not None
+            limited.add(record.process)
+        elif isinstance(record, Moved):
+            assert states[record.process] is record.before
+            assert record.after is not State.WAITING or record.process in limited
+            states[record.process] = record.after
+            done += record.after is State.COMPLETED
+        if not isinstance(record, Admitted):
+            assert len(states) == len(owed)
+    assert len(owed) == len(world)
+    held = holders(journal)
+    for process, life in lives(journal).items():
+        spent = sum(holder == process for holder in held)
+        assert spent == world[process - 1].work if life.ended_ns is not None else spent < world[process - 1].work
+    if method.name in ("suspend_resume", "deadline_aware"):
+        assert done == len(world)  # 25 × 6 steps and 20 of waiting fit into the run: nobody is left over
 
 
 def test_evidence_is_answered_once_for_each_process_that_asked_and_lived() -> None:

@@ -44,7 +44,7 @@ class DeadlineAwareSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_un
     was completed. ``considered``: among how many of the earliest deadlines the set that can be met is looked for.
     """
 
-    wait_s_per_step: float = 120.0
+    wait_s_per_step: float = 160.0
     head_start_steps: float = 4.0
     assumed_steps: int = 4
     considered: int = 32
