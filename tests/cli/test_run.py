@@ -113,11 +113,20 @@ def test_a_robot_that_the_source_does_not_name_is_named_by_its_option(wakeful: W
 
 
 def test_a_source_of_which_no_event_comes_says_so(wakeful: Wakeful, tmp_path: Path) -> None:
+    silent = tmp_path / "silent.jsonl"
+    silent.write_text('{"evidence": {"topic": "clearance", "key": "aisle 4", "value": 0.35}}\n')
+    result = wakeful("run", silent, "--domain", "jsonl", "--journal", tmp_path / "silent.db")
+    assert result.exit_code == 0
+    assert "no event came of 1 item" in result.stdout
+
+
+def test_an_empty_file_is_one_error_and_leaves_no_journal(wakeful: Wakeful, tmp_path: Path) -> None:
     empty = tmp_path / "empty.jsonl"
     empty.touch()
     result = wakeful("run", empty, "--domain", "jsonl", "--journal", tmp_path / "empty.db")
-    assert result.exit_code == 0
-    assert "no event came of 0 items" in result.stdout
+    assert result.exit_code == 1
+    assert "is empty" in result.stderr
+    assert not (tmp_path / "empty.db").exists()
 
 
 def test_options_come_from_the_environment(wakeful: Wakeful, tmp_path: Path) -> None:

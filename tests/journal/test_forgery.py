@@ -18,12 +18,15 @@ from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Decided, Gained,
 from wakeful.journal import open_journal
 from wakeful.journal.audit import Audit, audit
 
+#: Enough that some are automatic and some contradicted.
+EVENTS = 250
+
 
 @pytest.fixture(scope="module")
 def genuine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The journal of a simulated robot's first 80 events: contradictions, automatic decisions, and changes of trust."""
+    """The journal of a simulated robot's first events: contradictions, automatic decisions, and changes of trust."""
     path = tmp_path_factory.mktemp("genuine") / "robot.db"
-    result = CliRunner().invoke(main, ["run", "service_robot", "--events", "80", "--journal", str(path)])
+    result = CliRunner().invoke(main, ["run", "service_robot", "--events", str(EVENTS), "--journal", str(path)])
     assert result.exit_code == 0, result.output
     db = apsw.Connection(str(path))
     db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
@@ -254,13 +257,13 @@ def test_a_tail_cut_off_with_its_commits_is_found_by_what_was_offered(journal: P
 def test_an_event_that_was_never_written_is_found_by_what_was_offered(journal: Path) -> None:
     run_sql(
         journal,
-        """UPDATE state SET value = CAST(json_set(CAST(value AS TEXT), '$.sources.service_robot.offered', 81) AS BLOB)
+        f"""UPDATE state SET value = CAST(json_set(CAST(value AS TEXT), '$.sources.service_robot.offered', {EVENTS + 1}) AS BLOB)
         WHERE key = 'kernel'""",
     )
     found = audited(journal).checks["offered"]
     assert not found.ok
     assert found.first_offender is not None
-    assert found.first_offender.says == "81 inputs were offered, but 80 became a line of the intake"
+    assert found.first_offender.says == f"{EVENTS + 1} inputs were offered, but {EVENTS} became a line of the intake"
 
 
 def test_a_journal_without_that_count_says_that_it_was_not_looked_at(journal: Path) -> None:
