@@ -150,3 +150,12 @@ def test_the_words_of_an_error_say_more_than_what_kind_of_error_it_is() -> None:
         assert isinstance(result, Diagnosis)
         assert result.suspects[0].fault == cause
         assert result.suspects[0].posterior > 0.8
+
+
+def test_words_that_nobody_said_are_nothing_to_look_for() -> None:
+    fault = Fault(name="weak radio", prior=0.3, causes={"silence": 0.6, "text~wifi|signal": 0.9, "about=network": 0.5})
+    domain = DomainSpec(name="fleet", version=1, says="", fault=(fault,))
+    result = ScriptedMind(domain, "auto", script()).run(diagnosis, event("silence"))
+    assert isinstance(result, Diagnosis)
+    assert result.next_check is not None
+    assert result.next_check.symptom == "about=network"

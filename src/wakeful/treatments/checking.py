@@ -28,7 +28,9 @@ def most_telling(
 ) -> tuple[Check | None, Askable | None]:
     """The open symptom with the greatest expected gain, of those that evidence can be had for if there are any."""
     checks = []
-    unknown = [symptom for symptom in network.symptoms if symptom not in known and symptom not in asked]
+    # words stand in what was said or they don't: there is nothing to look for
+    open_ = [symptom for symptom in network.symptoms if (split(symptom) or ("", "", ""))[1] != "~"]
+    unknown = [symptom for symptom in open_ if symptom not in known and symptom not in asked]
     for symptom, (chance, gain) in network.look_for(unknown, known).items():
         if gain >= least_gain_bits:
             offered = about(offers, _field(symptom)) if split(symptom) else ()
