@@ -86,13 +86,20 @@ def test_every_admitted_event_has_its_process_and_decision_at_once(undisturbed: 
         assert lines[place].at_ns == lines[place + 2].at_ns
 
 
-def test_experience_makes_treatments_automatic(undisturbed: MemoryJournal) -> None:
-    modes = [line.record.decision.mode for line in undisturbed.lines() if isinstance(line.record, Decided)]
-    first_auto = modes.index("auto")
-    published = [line.position for line in undisturbed.lines() if isinstance(line.record, Published)]
-    decided = [line.position for line in undisturbed.lines() if isinstance(line.record, Decided)]
-    assert published[0] < decided[first_auto]
-    assert count(undisturbed)[Judged] > 0
+def test_experience_makes_treatments_automatic() -> None:
+    journal = MemoryJournal()
+    one = driver(journal)
+    for _ in one.run("sightings", "digest", lambda after: sightings(after, 16_000)):
+        pass
+    one.close()
+    decided = [line for line in journal.lines() if isinstance(line.record, Decided)]
+    first_auto = next(line.position for line in decided if line.record.decision.mode == "auto")
+    accepted = [x for x in journal.lines() if isinstance(x.record, Published) and x.record.card.accepted]
+    assert accepted[0].position < first_auto
+    half = len(decided) // 2
+    automatic = [sum(x.record.decision.mode == "auto" for x in part) for part in (decided[:half], decided[half:])]
+    assert automatic[0] < automatic[1]
+    assert count(journal)[Judged] > 0
 
 
 @settings(max_examples=6, deadline=None)
