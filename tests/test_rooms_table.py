@@ -13,7 +13,7 @@ from wakeful.admission.admission import Admission
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning
-from wakeful.registration.registrar import SpecRegistrar
+from wakeful.registration import Sources, SpecRegistrar
 from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.process_set import ProcessSet
@@ -26,6 +26,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "architecture.md"
 CLASSES: dict[str, type] = {
     each.__name__: each
     for each in (
+        Sources,
         SpecRegistrar,
         Admission,
         Selector,
@@ -41,6 +42,7 @@ CLASSES: dict[str, type] = {
     )
 }
 ROOMS = {
+    "_sources": Sources,
     "_admission": Admission,
     "_selector": Selector,
     "_scheduler": Scheduler,

@@ -14,12 +14,12 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from wakeful.admission import Admission, Counts
-from wakeful.contracts.domain import Domain, Registered
+from wakeful.contracts.domain import Domain
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.decisions import Decision
-from wakeful.facts.events import Condition, Draft, Event, Observation, Phase, Undecodable
+from wakeful.facts.events import Draft, Event, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
@@ -29,12 +29,10 @@ from wakeful.facts.lines import (
     AnyRecord,
     Concluded,
     Duplicate,
-    Finished,
     Gained,
     Judged,
     Line,
     Noted,
-    Opened,
     Published,
     Refused,
     Reopened,
@@ -47,35 +45,15 @@ from wakeful.facts.time import Stamp, to_ns, to_s
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
-from wakeful.registration import SpecRegistrar
+from wakeful.registration import Sources, SourceState
 from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
 from wakeful.selection.selector import SelectionSettings, Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
-from wakeful.version import __version__
 
 _STATE_KEY = "kernel"
-
-
-class SourceState(msgspec.Struct, kw_only=True):
-    """What the kernel remembers of a source: its cursor is the last position fed.
-
-    ``offered`` counts the events and undecodable inputs that came from it, before admission decided on them: the other side of
-    received = admitted + duplicate + refused. ``joined`` counts repeats and clearings, which join their condition's process.
-    ``heard_ns`` is when it was last heard; ``conditions`` are those that it raised by events of its own and has not cleared.
-    """
-
-    digest: str
-    offset_ns: int
-    cursor: int = -1
-    observations: int = 0
-    finished: bool = False
-    offered: int = 0
-    joined: int = 0
-    heard_ns: int | None = None
-    conditions: list[str] = []
 
 
 class _KernelState(msgspec.Struct, kw_only=True):
@@ -102,9 +80,7 @@ class Kernel:
         self._now_ns = 0
         self._left: int | None = None
         self._position = 0
-        self._sources: dict[str, SourceState] = {}
-        self._registrars: dict[str, SpecRegistrar] = {}
-        self._parts: dict[str, set[str]] = {}
+        self._sources = Sources(domain, settings.seed)
         self._events: OrderedDict[str, Event] = OrderedDict()
         self._admission = Admission()
         self._selector = Selector(spec, options, learner, SelectionSettings())
@@ -118,7 +94,6 @@ class Kernel:
         self._weights = b""
         self._revision = Revision(spec)
         self._lines: list[Line] = []
-        self._state: dict[str, bytes | None] = {}
         self._blobs: dict[str, bytes] = {}
         self._calls: list[Call] = []
         self._trainings: list[Training] = []
@@ -142,7 +117,7 @@ class Kernel:
 
     def source(self, name: str) -> SourceState | None:
         """What is known of a source: where to go on, or that it was finished."""
-        return self._sources.get(name)
+        return self._sources.states.get(name)
 
     def result(self, concluded: Concluded) -> Result:
         """A recorded result in its treatment's own type."""
@@ -177,7 +152,7 @@ class Kernel:
             case Observation():
                 self._encounter(item)
             case Mark(source=source, position=position):
-                self._sources[source].cursor = position
+                self._sources.states[source].cursor = position
             case Draft():
                 self._hear(item.source)
                 self._offer(item)
@@ -193,67 +168,49 @@ class Kernel:
                 self._hear(item.source)
                 self._refuse(item)
             case Begin():
-                self._begin(item)
+                self.write(self._sources.begin(item))
             case End():
-                self._end(item)
+                self._break_off(item)
             case Act():
                 self._scheduler.act(item)
 
     def _encounter(self, observation: Observation) -> None:
         """Encounter and register: e = D(o, c) (Eq. 1)."""
         self._hear(observation.source)
-        source = self._sources[observation.source]
-        source.observations += 1
-        registered: Registered = self._registrars[observation.source].observe(observation)
+        registered = self._sources.observe(observation)
         for outcome in registered.outcomes:
             self._validate(outcome)
         for evidence in registered.evidence:
             self._evidence(evidence)
-        source.offered += len(registered.events)
         for draft in registered.events:
             self._cover(draft)
 
     def _hear(self, name: str) -> None:
         """The source was heard: what lies before a stretch in which it was not recording cannot be judged by silence."""
-        source = self._sources[name]
+        silent_ns = self._sources.hear(name, self._now_ns)
         if self._gap_ns is not None:
-            heard_ns = source.heard_ns
-            if heard_ns is not None and self._now_ns - heard_ns > self._gap_ns:
-                detail = f"{name} was not heard for {to_s(self._now_ns - heard_ns):.1f} s"
-                self.write(Noted(what=GAP, detail=detail, source=name))
+            if silent_ns > self._gap_ns:
+                self.write(Noted(what=GAP, detail=f"{name} was not heard for {to_s(silent_ns):.1f} s", source=name))
             self._judge(self._validation.close(self._now_ns, name))
-        source.heard_ns = self._now_ns
 
     def _refuse(self, undecodable: Undecodable) -> None:
-        self._sources[undecodable.source].offered += 1
+        self._sources.states[undecodable.source].offered += 1
         self.write(self._admission.refuse(undecodable))
 
     def _offer(self, draft: Draft) -> None:
-        """An event that was registered elsewhere: one that repeats or clears a condition joins it, if it is known."""
-        source = self._sources[draft.source]
-        condition = draft.condition
-        known = condition is not None and condition.key in source.conditions
-        if condition is not None and condition.phase in (Phase.REPEATED, Phase.CLEARED) and known:
-            source.joined += 1
-            if condition.phase is Phase.CLEARED:
-                source.conditions.remove(condition.key)
-            self._evidence(_of_condition(draft, condition.key, condition.phase))
-            return
-        source.offered += 1
-        if condition is not None and condition.phase is Phase.CLEARED:
-            self.write(self._admission.reject(draft, f"no condition {condition.key!r} of this source is open: nothing to clear"))
-            return
-        if condition is not None:
-            # A repeat of what was never raised here is the first that is heard of it: its raise was lost on the way.
-            lasting = Condition(key=condition.key, phase=Phase.CHANGED if known else Phase.RAISED)
-            draft = msgspec.structs.replace(draft, condition=lasting)
-            if not known and condition.key:
-                source.conditions.append(condition.key)
-        self._cover(draft)
+        """An event that was registered elsewhere is covered, or joins the condition that it repeats or clears."""
+        joined = self._sources.join(draft)
+        if isinstance(joined, Draft):
+            self._cover(joined)
+        elif isinstance(joined, Evidence):
+            self._evidence(joined)
+        else:
+            key = draft.condition.key if draft.condition is not None else ""
+            self.write(self._admission.reject(draft, f"no condition {key!r} of this source is open: nothing to clear"))
 
     def _cover(self, draft: Draft) -> None:
         """Cover: an admitted event has a process with a decision from the same instant on (Eq. 3)."""
-        digest = self._sources[draft.source].digest
+        digest = self._sources.states[draft.source].digest
         stamp = Stamp(source_ns=draft.at_ns, received_ns=self._now_ns)
         record = self._admission.admit(draft, digest, stamp)
         self.write(record)
@@ -293,6 +250,10 @@ class Kernel:
             return
         self.write(Witnessed(outcome=outcome))
         self._judge(self._validation.match(outcome, self._now_ns))
+
+    def _break_off(self, end: End) -> None:
+        self.write(self._sources.end(end.source))
+        self._judge(self._validation.break_off(self._now_ns, end.source))
 
     def _judge(self, verdicts: Iterable[Judged]) -> None:
         for judged in verdicts:
@@ -347,45 +308,6 @@ class Kernel:
             self.note("model not usable", f"{error}; decided by guidelines until the next version")
             return
         self._weights = weights
-
-    # --- sources ---
-
-    def _begin(self, begin: Begin) -> None:
-        known = self._sources.get(begin.source)
-        resumes = known is not None and not known.finished and known.digest == begin.digest
-        if not resumes:
-            self._forget_registration(begin.source)
-            self._sources[begin.source] = SourceState(
-                digest=begin.digest,
-                offset_ns=begin.offset_ns,
-                offered=known.offered if known is not None else 0,
-                joined=known.joined if known is not None else 0,
-            )
-            self._registrars[begin.source] = SpecRegistrar(self.domain, begin.digest)
-        source = self._sources[begin.source]
-        spec = self.domain.spec
-        self.write(
-            Opened(
-                source=begin.source,
-                digest=begin.digest,
-                domain=spec.name,
-                domain_version=spec.version,
-                offset_ns=source.offset_ns,
-                seed=self.settings.seed,
-                resumed_at=source.cursor + 1 if resumes else 0,
-                software=__version__,
-            )
-        )
-
-    def _forget_registration(self, source: str) -> None:
-        for part in self._parts.pop(source, ()):
-            self._state[_part_key(source, part)] = None
-
-    def _end(self, end: End) -> None:
-        source = self._sources[end.source]
-        source.finished = True
-        self.write(Finished(source=end.source, observations=source.observations))
-        self._judge(self._validation.break_off(self._now_ns, end.source))
 
     # --- time ---
 
@@ -473,13 +395,8 @@ class Kernel:
 
     def changed(self) -> dict[str, bytes | None]:
         """The keyed state that changed since the last call: the driver commits it with the lines of all feeds up to now."""
-        state, self._state = self._state, {}
-        state.update(self._scheduler.shelf.changed())
-        for source, registrar in self._registrars.items():
-            for part, value in registrar.changed().items():
-                self._parts.setdefault(source, set()).add(part)
-                state[_part_key(source, part)] = value
-        state[_STATE_KEY] = msgspec.json.encode(_KernelState(now_ns=self._now_ns, sources=self._sources))
+        state = {**self._scheduler.shelf.changed(), **self._sources.changed()}
+        state[_STATE_KEY] = msgspec.json.encode(_KernelState(now_ns=self._now_ns, sources=self._sources.states))
         return state
 
     # --- recovery ---
@@ -510,14 +427,7 @@ class Kernel:
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
-            self._sources = found.sources
-        for source, known in self._sources.items():
-            registrar = SpecRegistrar(self.domain, known.digest)
-            prefix = _part_key(source, "")
-            parts = {key[len(prefix) :]: value for key, value in state.items() if key.startswith(prefix)}
-            registrar.restore(parts)
-            self._parts[source] = set(parts)
-            self._registrars[source] = registrar
+            self._sources.restore(found.sources, state)
         self._scheduler.shelf.restore(state)
         if card is not None:
             self._use(card, blobs[card.blob])
@@ -529,18 +439,3 @@ class Kernel:
     def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:
         """Record something that a person should know."""
         self.write(Noted(what=what, detail=detail, process=process, event=event))
-
-
-def _part_key(source: str, part: str) -> str:
-    return f"registration/{source}\x1f{part}"
-
-
-def _of_condition(draft: Draft, key: str, phase: Phase) -> Evidence:
-    """A repeat or a clearing that was offered as an event is evidence on the condition."""
-    return Evidence(
-        id=f"{draft.source}:{draft.position}:{draft.ordinal}:{phase}",
-        topic=f"condition.{phase}",
-        key=key,
-        at_ns=draft.at_ns,
-        value=msgspec.Raw(msgspec.json.encode(draft.fields)),
-    )
