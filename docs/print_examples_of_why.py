@@ -40,7 +40,7 @@ def main() -> int:
                 wakeful("run", source.name, "--journal", str(Path(folder, name)), "--json", folder=source.parent)
             story = wakeful(*DRAW, "--journal", str(Path(folder, name)), folder=Path(folder))
             shown = " ".join(["wakeful", *DRAW, "--journal", name])
-            print(f"\n## {title}\n\n```console\n$ {shown}\n{story.rstrip()}\n```")
+            print(f"\n## {title}\n\n```text\n$ {shown}\n{story.rstrip()}\n```")
     return 0
 
 

@@ -81,4 +81,9 @@ def _first_line(error: click.UsageError) -> str:
 
 def _end(says: str, code: int) -> NoReturn:
     click.echo(click.style("error: ", fg="red", bold=True) + plain(says), err=True)
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError:
+        _let_go_of_output()
     sys.exit(code)
