@@ -18,7 +18,7 @@ from statistics import median, quantiles
 
 import msgspec
 
-from wakeful.contracts.policy import Policy
+from wakeful.contracts.policy import LearningPolicy, Policy
 from wakeful.facts.decisions import Candidate, Decision, Gate
 from wakeful.facts.events import Context, Event
 from wakeful.facts.lines import Created, Decided, Moved
@@ -74,15 +74,18 @@ class PolicyAlone:
         """One step's end and the next decision."""
         self.now_ns += NS_PER_S
         holder = self.running[0]
-        done = self.views[holder]
-        if done.steps_done + 1 == done.steps_needed:
+        held = self.views[holder]
+        steps = held.steps_done + 1
+        started_ns = held.started_ns if held.started_ns is not None else self.now_ns - NS_PER_S
+        done = msgspec.structs.replace(held, steps_done=steps, started_ns=started_ns, spent_ns=steps * NS_PER_S)
+        if steps == done.steps_needed:
             del self.views[holder]
+            if isinstance(self.policy, LearningPolicy):
+                self.policy.completed(done, self.now_ns)
             self.policy.gone(holder, self.now_ns)
             self._come()
         else:
-            done = self.views[holder] = msgspec.structs.replace(
-                done, steps_done=done.steps_done + 1, started_ns=self.now_ns, spent_ns=self.now_ns
-            )
+            self.views[holder] = done
             self.policy.runnable(done, self.now_ns)
         self.running = self.policy.pick(self.running, 1, self.now_ns).run
 

@@ -421,8 +421,8 @@ def gains(results: Results, method: str, other: str) -> list[str]:
             pairs = zip(results[method, workload], results[other, workload], strict=True)
             found = [(getattr(one, metric), getattr(two, metric)) for one, two in pairs]
             steps = [ours - theirs for ours, theirs in found if ours is not None and theirs is not None]
-            error = stdev(steps) / len(steps) ** 0.5 if len(steps) > 1 else 0.0
-            parts.append(f"{metric} {fmean(steps):+.2f} ± {error:.2f}" if steps else f"{metric} –")
+            error = f"{stdev(steps) / len(steps) ** 0.5:.2f}" if len(steps) > 1 else "–"
+            parts.append(f"{metric} {fmean(steps):+.2f} ± {error}" if steps else f"{metric} –")
         said.append(f"{method} above {other} on {workload} (± standard error): {', '.join(parts)}.")
     return said
 
