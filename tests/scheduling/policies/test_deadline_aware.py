@@ -283,3 +283,9 @@ def test_one_that_was_never_asked_before_answers_like_one_that_was_asked_at_ever
                 del open_now[process]
     end_ns = to_ns(80)
     assert asked.pick((), 10, end_ns) == fresh.pick((), 10, end_ns)
+
+
+def test_a_burst_of_hopeless_deadlines_hides_none_that_can_be_met() -> None:
+    hopeless = [seen(n, left=20, critical=True, deadline_s=10) for n in range(1, 41)]
+    possible = seen(50, left=5, critical=True, deadline_s=12)
+    assert first(told(taught(), *hopeless, possible)) == 50

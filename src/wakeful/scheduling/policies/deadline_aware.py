@@ -41,13 +41,15 @@ class DeadlineAwareSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_un
 
     ``wait_s_per_step``: seconds of waiting that make up for one step more of work left. ``head_start_steps``: what each level of
     criticality below critical counts for, in the same coin. ``assumed_steps``: what a process is taken to need before any
-    was completed. ``considered``: among how many of the earliest deadlines the set that can be met is looked for.
+    was completed. ``considered``: among how many of the earliest deadlines the set that can be met is looked for;
+    ``looked_at``: how far that search may go past deadlines that can't be met any more.
     """
 
     wait_s_per_step: float = 160.0
     head_start_steps: float = 4.0
     assumed_steps: int = 4
     considered: int = 32
+    looked_at: int = 256
 
 
 class _Ready(msgspec.Struct):
@@ -219,12 +221,10 @@ class DeadlineAware:
         step_ns = self._history.step_ns
         firm: list[_Candidate] = []
         pending: list[_Candidate] = []
-        for process in queue.first(self.settings.considered):
+        for process in self._earliest(queue, now_ns):
             ready = self._ready[process]
             room_ns = (ready.view.deadline_ns or 0) - now_ns
-            if room_ns <= 0:
-                queue.drop(process)
-            elif ready.least * step_ns <= room_ns * STEP:
+            if ready.least * step_ns <= room_ns * STEP:
                 # What is only expected to take too long may still turn out short enough: it counts for the time there is.
                 work_ns = min(ready.left * step_ns // STEP, room_ns)
                 candidate = _Candidate(room_ns, ready.view.arrived_ns, process, work_ns, ready.pending, ready.opens)
@@ -234,6 +234,22 @@ class DeadlineAware:
         yield from (each.process for each in (opening[: spare_ns // step_ns] if sure and step_ns else opening))
         met, _ = _largest_set(sorted([*sure, *pending]), slots)
         yield from (each.process for each in met)
+
+    def _earliest(self, queue: _Queue, now_ns: int) -> list[int]:
+        """The earliest deadlines that are not past; further ones too where too many of them can't be met, so that a burst of
+        hopeless ones hides none that can."""
+        step_ns = self._history.step_ns
+        found: list[int] = []
+        for limit in (self.settings.considered, self.settings.looked_at):
+            found = queue.first(limit)
+            rooms = [((self._ready[each].view.deadline_ns or 0) - now_ns, self._ready[each].least) for each in found]
+            possible = sum(room_ns > 0 and least * step_ns <= room_ns * STEP for room_ns, least in rooms)
+            if possible == limit or len(found) < limit or possible > limit // 2:
+                break
+        for process, (room_ns, _) in zip(found, rooms, strict=True):
+            if room_ns <= 0:
+                queue.drop(process)
+        return [process for process, (room_ns, _) in zip(found, rooms, strict=True) if room_ns > 0]
 
     def _worth_opening(self, slots: int) -> Iterator[int]:
         backlog_ns = self._rest_left * self._history.step_ns // (STEP * slots)
