@@ -91,6 +91,13 @@ class Speed(click.ParamType[float]):
 )
 @option("--seed", type=int, default=0, show_default=True, help="Of simulation and training.")
 @option("--reasoner", type=click.Choice(sorted(REASONERS)), default="guidelines", show_default=True, help="Who deliberates.")
+@option(
+    "--primary-share",
+    type=click.FloatRange(0.0, 0.95),
+    default=0.0,
+    show_default=True,
+    help="Share of the steps that is kept free for the robot's own task.",
+)
 @option("--robot", default=None, metavar="NAME", help="The robot's name, where the source does not say it.")
 @json_option
 @click.pass_context
@@ -103,6 +110,7 @@ def run_command(
     events: int | None,
     seed: int,
     reasoner: str,
+    primary_share: float,
     robot: str | None,
     as_json: bool,
 ) -> None:
@@ -123,7 +131,7 @@ def run_command(
         _check_domain(opened, found, path)
         thinker = _reasoner(reasoner, found, opened)
         before = summary(opened, strange=0) if opened.last else None
-        items = _drive(found, opened, thinker, MindSettings(seed=seed), speed, limit, stop)
+        items = _drive(found, opened, thinker, MindSettings(seed=seed, primary_share=primary_share), speed, limit, stop)
         told = summary(opened)
     this = _this_run(told, before, items, time.monotonic() - began_s, bool(stop.signal))
     if as_json:

@@ -9,9 +9,15 @@ from wakeful.domains import load
 from wakeful.facts.settings import MindSettings
 from wakeful.kernel import Kernel
 from wakeful.learning.two_heads import TwoHeads
-from wakeful.scheduling.policies.deadline_aware import DeadlineAware
+from wakeful.scheduling.policies.deadline_aware import DeadlineAware, DeadlineAwareSettings
 from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.treatments.registry import Registry
+
+#: So many steps' time of waiting make up for one step more of work left.
+AGEING_STEPS = 160.0
+
+#: What a step is taken to last where it takes no declared time, as in the live driver.
+QUICK_STEP_S = 0.01
 
 
 def assemble(
@@ -38,7 +44,7 @@ def assemble(
     found = load(domain) if isinstance(domain, str) else domain
     trains = learner if learner is not None else TwoHeads()
     thinks = settings if settings is not None else MindSettings()
-    shares = policy if policy is not None else DeadlineAware()
+    shares = policy if policy is not None else _default_policy(thinks)
     if thinks.primary_share:
         shares = PrimaryShare(shares, thinks.primary_share, thinks.primary_quantum_s)
     kernel = Kernel(
@@ -49,3 +55,9 @@ def assemble(
         thinks,
     )
     return kernel, trains
+
+
+def _default_policy(settings: MindSettings) -> Policy:
+    """Deadline-aware, its ageing in the proportion to a step's length that Experiment 2 was run with (decision 13)."""
+    step_s = settings.step_s or QUICK_STEP_S
+    return DeadlineAware(DeadlineAwareSettings(wait_s_per_step=AGEING_STEPS * step_s))
