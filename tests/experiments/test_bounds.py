@@ -114,3 +114,11 @@ def test_no_policy_meets_more_deadlines_and_none_without_a_miss_completes_more(l
             assert measured.critical_deadline <= 100.0 * bound.deadlines / bound.critical + 1e-9
             if measured.critical_miss == 0.0:
                 assert measured.completion <= 100.0 * bound.completions / bound.events + 1e-9
+
+
+def test_criticals_that_no_schedule_can_complete_are_counted_as_missed() -> None:
+    crowd = [
+        Arrival(step=18, kind="k", work=4, critical=True, deadline_steps=9, task_relevant=False, priority=3) for _ in range(3)
+    ]
+    assert clairvoyant(crowd, horizon=22).criticals == 1
+    assert clairvoyant(crowd, horizon=60).criticals == 3

@@ -42,6 +42,7 @@ class Bound(Fact, frozen=True):
     events: int
     critical: int
     deadlines: int
+    criticals: int
     completions: int
 
 
@@ -56,6 +57,7 @@ def clairvoyant(world: Sequence[Arrival], horizon: int = _HORIZON) -> Bound:
         events=len(world),
         critical=sum(arrival.critical for arrival in world),
         deadlines=most_deadlines(world, horizon),
+        criticals=most_completions([arrival for arrival in world if arrival.critical], horizon, spare=True),
         completions=most_completions(world, horizon),
     )
 
@@ -106,14 +108,17 @@ def _moves(world: Sequence[Arrival], alive: _State, step: int) -> Iterable[tuple
         yield alive, 0
 
 
-def most_completions(world: Sequence[Arrival], horizon: int = _HORIZON) -> int:
-    """No schedule that completes every critical event completes more than so many. A relaxation, see above."""
+def most_completions(world: Sequence[Arrival], horizon: int = _HORIZON, *, spare: bool = False) -> int:
+    """No schedule that completes every critical event completes more than so many. A relaxation, see above.
+
+    ``spare``: critical events may be left out as well; over the critical ones alone, it bounds how many of them can be completed.
+    """
     can_end = [each for each in world if each.step + max(each.work - 1, each.evidence_steps or 0) < horizon]
     optional: list[int] = []
     taken = work = 0
     for arrival in sorted(can_end, key=lambda each: -each.step):
         taken, work = taken + 1, work + arrival.work
-        if not arrival.critical:
+        if spare or not arrival.critical:
             heapq.heappush(optional, -arrival.work)
         while work > horizon - arrival.step and optional:
             taken, work = taken - 1, work + heapq.heappop(optional)

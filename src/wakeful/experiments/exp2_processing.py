@@ -322,7 +322,7 @@ def limit(load: Load, parameters: Parameters, seed: int) -> Measured:
     return Measured(
         events=bound.events,
         completion=_percent(bound.completions, bound.events),
-        critical_miss=0.0 if bound.critical else None,
+        critical_miss=_percent(bound.critical - bound.criticals, bound.critical),
         critical_deadline=_percent(bound.deadlines, bound.critical),
     )
 
