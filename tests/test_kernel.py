@@ -192,3 +192,9 @@ def test_a_clock_that_runs_backwards_keeps_the_events_times_and_kernel_time_stan
     times = [line.at_ns for line in journal.lines()]
     assert times == sorted(times)
     assert audit(journal).ok
+
+
+def test_an_event_carries_whose_clock_it_was_and_how_sure_it_is() -> None:
+    journal = run([event(0, 0, clock="gps", uncertainty_ns=40), event(1, 1)])
+    stamps = [record.event.stamp for record in records(journal, Admitted)]
+    assert [(stamp.clock, stamp.uncertainty_ns) for stamp in stamps] == [("gps", 40), ("source", 0)]

@@ -45,7 +45,7 @@ from wakeful.facts.time import Stamp, to_ns, to_s
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
-from wakeful.registration import Sources, SourceState
+from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
@@ -211,7 +211,7 @@ class Kernel:
     def _cover(self, draft: Draft) -> None:
         """Cover: an admitted event has a process with a decision from the same instant on (Eq. 3)."""
         digest = self._sources.states[draft.source].digest
-        stamp = Stamp(source_ns=draft.at_ns, received_ns=self._now_ns)
+        stamp = Stamp(source_ns=draft.at_ns, clock=draft.clock, uncertainty_ns=draft.uncertainty_ns, received_ns=self._now_ns)
         record = self._admission.admit(draft, digest, stamp)
         self.write(record)
         if isinstance(record, Admitted):
@@ -234,7 +234,7 @@ class Kernel:
         return self._selector.decide(event, self._revision.levels(nearest), nearest, watermark)
 
     def _evidence(self, evidence: Evidence) -> None:
-        if evidence.topic == "condition.cleared":
+        if evidence.topic == CLEARED:
             self._scheduler.deliver(evidence)
             self._scheduler.moot(evidence.key)
         else:

@@ -104,7 +104,7 @@ class Book:
             entity=entity,
             source="arm.xlsx",
             position=position,
-            stamp=Stamp(source_ns=at_ns, received_ns=at_ns + 5, boot="b", monotonic_ns=7),
+            stamp=Stamp(source_ns=at_ns, received_ns=at_ns + 5),
             criticality=criticality,
             fields={"current_a": 2.5},
             says=f"{entity}: current left its band",

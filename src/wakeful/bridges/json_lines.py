@@ -15,7 +15,7 @@ from wakeful.bridges.vda5050 import topic_of
 from wakeful.contracts.bridge import Item
 from wakeful.facts.events import Condition, Context, Criticality, Draft, Observation, Phase, Relation
 from wakeful.facts.evidence import Evidence, Origin, Outcome
-from wakeful.facts.time import NS_PER_S, to_ns
+from wakeful.facts.time import LONGEST_S, NS_PER_S, to_ns
 from wakeful.facts.values import Field, Value
 
 At = str | int | float
@@ -246,12 +246,12 @@ def _observation(said: ObservationSaid, source: str, position: int, before_ns: i
         values={name: plain(value) for name, value in said.values.items()},
         robot=said.robot,
         clock=clock or said.clock,
-        uncertainty_ns=max(0, to_ns(said.uncertainty_s)),
+        uncertainty_ns=to_ns(min(max(0.0, said.uncertainty_s), LONGEST_S)),
     ), at_ns
 
 
 def _draft(said: EventSaid, source: str, position: int, before_ns: int) -> tuple[Item, int]:
-    at_ns, _ = _at(said.at, before_ns)
+    at_ns, clock = _at(said.at, before_ns)
     return Draft(
         kind=said.kind,
         entity=said.entity,
@@ -267,6 +267,7 @@ def _draft(said: EventSaid, source: str, position: int, before_ns: int) -> tuple
         deadline_s=said.deadline_s,
         says=said.says,
         observations=max(1, said.observations),
+        clock=clock or "source",
         truth_treatment=said.truth_treatment,
     ), at_ns
 

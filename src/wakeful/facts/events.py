@@ -95,6 +95,8 @@ class Draft(Fact, frozen=True):
     deadline_s: float | None = None
     says: str = ""
     observations: int = 1
+    clock: str = "source"
+    uncertainty_ns: int = 0
     truth_treatment: str | None = None
     """The right treatment where the recording carries it: for accuracy only, never seen by selection."""
 

@@ -24,14 +24,13 @@ def to_s(nanoseconds: int) -> float:
 
 
 class Stamp(Fact, frozen=True):
-    """When an observation was made and when it was received.
+    """When an observation was made, by which clock and how surely, and at what kernel time it was received.
 
-    Journal order decides; source time joins outcomes to decisions; kernel time (``received_ns``) sets deadlines.
+    Journal order decides; source time joins outcomes to decisions; kernel time (``received_ns``) sets deadlines. The time of day,
+    the boot id and the monotonic clock are recorded once for each commit, in the journal's table ``commits``.
     """
 
     source_ns: int
     clock: str = "source"
     uncertainty_ns: int = 0
     received_ns: int = 0
-    boot: str = ""
-    monotonic_ns: int = 0

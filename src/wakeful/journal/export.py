@@ -44,7 +44,7 @@ def exported(journal: Readable, *, stable: bool = False) -> Iterator[Line]:
             continue
         position += 1
         if isinstance(record, Admitted):
-            stamp = msgspec.structs.replace(record.event.stamp, received_ns=0, boot="", monotonic_ns=0)
+            stamp = msgspec.structs.replace(record.event.stamp, received_ns=0)
             record = Admitted(event=msgspec.structs.replace(record.event, stamp=stamp))
         elif isinstance(record, Opened):
             record = msgspec.structs.replace(record, software="")

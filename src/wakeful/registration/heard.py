@@ -11,7 +11,7 @@ from wakeful.facts.events import Condition, Draft, Observation, Phase
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Begin
 from wakeful.facts.lines import Finished, Opened
-from wakeful.registration.registrar import SpecRegistrar
+from wakeful.registration.registrar import CLEARED, REPEATED, SpecRegistrar
 from wakeful.version import __version__
 
 
@@ -155,7 +155,7 @@ def _of_condition(draft: Draft, key: str, phase: Phase) -> Evidence:
     """A repeat or a clearing that was offered as an event is evidence on the condition."""
     return Evidence(
         id=f"{draft.source}:{draft.position}:{draft.ordinal}:{phase}",
-        topic=f"condition.{phase}",
+        topic=CLEARED if phase is Phase.CLEARED else REPEATED,
         key=key,
         at_ns=draft.at_ns,
         value=msgspec.Raw(msgspec.json.encode(draft.fields)),

@@ -232,6 +232,8 @@ class SpecRegistrar:
             deadline_s=spec.deadline_s if found.deadline_s is None else found.deadline_s,
             says=clean(found.says, 400),
             observations=max(stands_for, found.observations, 1),
+            clock=clean(observation.clock),
+            uncertainty_ns=min(max(observation.uncertainty_ns, 0), LARGEST_INT),
             truth_treatment=found.truth_treatment,
         )
         note(known, kind, topic, route.count, at_ns)
