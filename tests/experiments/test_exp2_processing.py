@@ -142,7 +142,7 @@ def test_a_mind_that_is_killed_again_and_again_decides_on_as_if_it_had_not_been(
         if isinstance(line.record, Admitted):
             event = line.record.event
             draft = Draft(
-                **{name: getattr(event, name) for name in Draft.__struct_fields__ if name != "at_ns"},
+                **{name: getattr(event, name) for name in Draft.__struct_fields__ if hasattr(event, name)},
                 at_ns=event.stamp.source_ns,
             )
             coming.setdefault(world[event.position].step, []).append(draft)
