@@ -18,6 +18,7 @@ from wakeful.contracts.domain import Domain
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.facts.asking import Episode, Query, Reply
+from wakeful.facts.crash_points import reach
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Draft, Event, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
@@ -295,6 +296,7 @@ class Kernel:
         if trained.card.accepted:
             self._blobs[trained.card.blob] = trained.weights
             self._use(trained.card, trained.weights)
+            reach("publication: decided")
         for trusted in self._revision.relearned(trained.card):
             self.write(trusted)
         self.write(Published(training=trained.training, card=trained.card))
@@ -413,6 +415,7 @@ class Kernel:
             Requests: the calls and trainings that were under way, to be made again; and lines where something had to be
             mended (a call in doubt, code that no longer matches its record).
         """
+        reach("recovery: begun")
         card = None
         asked: TrainingAsked | None = None
         for line in lines:
@@ -431,7 +434,9 @@ class Kernel:
         self._scheduler.shelf.restore(state)
         if card is not None:
             self._use(card, blobs[card.blob])
+        reach("recovery: folded")
         self._scheduler.recover()
+        reach("recovery: rebuilt")
         if asked is not None:
             self._trainings.append(self._training(asked))
         return self._requests()

@@ -17,6 +17,7 @@ from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
 from wakeful.drivers.trainer import Trainer
+from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
@@ -97,6 +98,8 @@ class LiveDriver:
         self._woken = asyncio.Event()
         recovered = self.kernel.recover(self.journal.lines(), self.journal.state(), JournalBlobs(self.journal))
         self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - time.monotonic_ns()
+        await self._commit(recovered)
+        reach("recovery: committed")
         await self._act(recovered)
         known = self.kernel.source(self._source)
         if known is not None and not known.finished:
@@ -200,11 +203,15 @@ class LiveDriver:
                 break
             futures = self._feeding = {_place(each): future for each, future in batch if future is not None}
             requests = await self._think(inputs)
+            if handed:
+                reach("acts: fed")
             await self._commit(requests)
             if self._acts is not None:
+                if handed:
+                    reach("acts: committed")
                 self._acts.done(handed)
             self._answer(requests.lines, futures)
-            await self._act(requests, committed=True)
+            await self._act(requests)
 
     async def _wait(self) -> None:
         """Until something comes, something is due, or a training may have ended; then a moment for more of the same."""
@@ -248,8 +255,11 @@ class LiveDriver:
 
     async def _commit(self, requests: Requests) -> None:
         if requests.lines or requests.blobs:
+            reach("feed: decided")
             loop = asyncio.get_running_loop()
             await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, self.kernel.changed(), requests.blobs)
+            if requests.blobs:
+                reach("publication: committed")
 
     def _answer(self, lines: tuple[Line, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
         receipts: dict[object, Receipt] = {}
@@ -274,14 +284,13 @@ class LiveDriver:
             if not future.done():
                 future.set_result(receipts.get(place, Receipt("taken")))
 
-    async def _act(self, requests: Requests, *, committed: bool = False) -> None:
-        if not committed:
-            await self._commit(requests)
+    async def _act(self, requests: Requests) -> None:
         self._wake_ns = requests.wake_ns
         for call in requests.calls:
             task = asyncio.create_task(self._call(call))
             self._called[call.process, call.seq] = task
         for training in requests.trainings:
+            reach("acting: training")
             self._trainer.start(training)
 
     def _give_up(self, process: int, seq: int | None = None) -> None:
@@ -291,9 +300,11 @@ class LiveDriver:
 
     async def _call(self, call: Call) -> None:
         left_s = max(0.0, (call.expires_ns - self._now_ns()) / 1e9)
+        reach("acting: call")
         try:
             async with asyncio.timeout(left_s):
                 answer = await make(call, self._reasoner)
+            reach("acting: call made")
         except TimeoutError:
             answer = Answer(process=call.process, seq=call.seq, error="expired")
         self._called.pop((call.process, call.seq), None)

@@ -16,6 +16,7 @@ from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
 from wakeful.drivers.trainer import Trainer
+from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
@@ -69,8 +70,11 @@ class SimulatedDriver:
         self._lines: list[Line] = []
         self._blobs: dict[str, bytes] = {}
         self._wake_ns: int | None = None
-        self._take(kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal)))
+        recovered = kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal))
+        self._lines.extend(recovered.lines)
         self._commit()
+        reach("recovery: committed")
+        self._take(msgspec.structs.replace(recovered, lines=()))
         self._take_acts()
 
     def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]]) -> Iterator[int]:
@@ -202,7 +206,9 @@ class SimulatedDriver:
         handed = self._acts.waiting()
         if handed:
             self._feed([each.act for each in handed], self.kernel.now_ns)
+            reach("acts: fed")
             self._commit()
+            reach("acts: committed")
             self._acts.done(handed)
 
     # --- the kernel's requests ---
@@ -219,17 +225,23 @@ class SimulatedDriver:
         for call in requests.calls:
             self._call(call)
         for training in requests.trainings:
+            reach("acting: training")
             self._trainer.start(training)
 
     def _call(self, call: Call) -> None:
+        reach("acting: call")
         answer = self._loop.run_until_complete(make(call, self._reasoner))
+        reach("acting: call made")
         latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None else 0
         due_ns = min(call.asked_ns + latency_ns, call.expires_ns)
         heapq.heappush(self._answers, (due_ns, call.process, call.seq, answer))
 
     def _commit(self) -> None:
         state = self.kernel.changed()
+        reach("feed: decided")
         self.journal.commit(self._lines, state, self._blobs)
+        if self._blobs:
+            reach("publication: committed")
         self._lines, self._blobs = [], {}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import Future, ThreadPoolExecutor
 
 from wakeful.contracts.learner import Learner
+from wakeful.facts.crash_points import reach
 from wakeful.facts.inputs import Trained, Training
 
 
@@ -26,6 +27,7 @@ class Trainer:
 
     def _train(self, training: Training) -> Trained:
         card, weights = self._learner.train(training.job)
+        reach("publication: trained")
         return Trained(training=training.training, card=card, weights=weights)
 
     def next_publication_ns(self) -> int | None:

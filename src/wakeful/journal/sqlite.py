@@ -13,6 +13,7 @@ import apsw
 import msgspec
 
 from wakeful.contracts.journal import JournalError
+from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
 from wakeful.journal.lock import FileLock
 from wakeful.journal.reading import Reading
@@ -45,6 +46,7 @@ class SqliteJournal:
         if not read_only:
             self._prepare()
             self._lock = FileLock(path)
+            reach("journal: file made")
         try:
             self._db = self._connect(read_only, full_sync)
             self._reading = Reading(self._db, path)
@@ -94,6 +96,7 @@ class SqliteJournal:
         with db:
             for step in MIGRATIONS[version:]:
                 db.execute(step)
+            reach("journal: schema written")
             db.execute(f"PRAGMA application_id={APPLICATION_ID}")
             db.execute(f"PRAGMA user_version={VERSION}")
 
@@ -114,11 +117,13 @@ class SqliteJournal:
         rows = [self._row(line) for line in lines]
         try:
             with self._db:
+                reach("commit: begun")
                 for start in range(0, len(rows), _ROWS_PER_INSERT):
                     part = rows[start : start + _ROWS_PER_INSERT]
                     # One statement of many rows: executemany would hand over the interpreter lock per row.
                     slots = ",".join(["(?,?,?,?,?,?)"] * len(part))
                     self._db.execute(f"INSERT INTO lines VALUES {slots}", [value for row in part for value in row])
+                reach("commit: lines written")
                 for key, value in state.items():
                     if value is None:
                         self._db.execute("DELETE FROM state WHERE key = ?", (key,))
@@ -131,8 +136,10 @@ class SqliteJournal:
                         "INSERT INTO commits VALUES (?, ?, ?, ?)",
                         (lines[-1].position, time.time_ns(), time.monotonic_ns(), self._boot),
                     )
+                reach("commit: state written")
         except apsw.Error as error:
             raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
+        reach("commit: done")
         if lines:
             self._last = lines[-1].position
 
