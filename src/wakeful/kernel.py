@@ -40,6 +40,7 @@ from wakeful.facts.lines import (
     TrainingAsked,
     Witnessed,
 )
+from wakeful.facts.packs import Entry, expanded
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import Stamp, to_ns, to_s
@@ -403,11 +404,11 @@ class Kernel:
 
     # --- recovery ---
 
-    def recover(self, lines: Iterable[Line], state: Mapping[str, bytes], blobs: Mapping[str, bytes]) -> Requests:
+    def recover(self, entries: Iterable[Entry], state: Mapping[str, bytes], blobs: Mapping[str, bytes]) -> Requests:
         """Take up what a journal holds, into a kernel that has been fed nothing yet.
 
         Args:
-            lines: all of the journal's, in order.
+            entries: all of the journal's, in order.
             state: its keyed state.
             blobs: weights by name (a mapping that reads lazily will do).
 
@@ -418,7 +419,7 @@ class Kernel:
         reach("recovery: begun")
         card = None
         asked: TrainingAsked | None = None
-        for line in lines:
+        for line in expanded(entries):
             self._position = line.position
             self._now_ns = line.at_ns
             self._apply(line.record)

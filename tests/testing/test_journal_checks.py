@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from wakeful.contracts.journal import Journal, JournalError
-from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry, expanded, last_position
 from wakeful.journal import MemoryJournal, open_journal
 from wakeful.testing import ContractBroken, check_journal
 
@@ -12,23 +12,24 @@ from wakeful.testing import ContractBroken, check_journal
 class Careful(MemoryJournal):
     """Looks at every position, not only at the first."""
 
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
-        wanted = range(self.last + 1, self.last + 1 + len(lines))
-        if [line.position for line in lines] != list(wanted):
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        unpacked = [line.position for line in expanded(lines)]
+        if unpacked != list(range(self.last + 1, self.last + 1 + len(unpacked))):
             raise JournalError("positions")
         super().commit(lines, state, blobs)
 
 
 class Careless(MemoryJournal):
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
-        self._lines.extend(lines)
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        self._entries.extend(lines)
+        self._ends.extend(last_position(each) for each in lines)
         super().commit((), state, blobs)
 
 
 class Hasty(Careful):
     """Keeps the blobs of a commit that it refuses."""
 
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
         super().commit((), {}, blobs)
         super().commit(lines, state, {})
 
@@ -36,7 +37,7 @@ class Hasty(Careful):
 class Clinging(Careful):
     """Never deletes state."""
 
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
         super().commit(lines, {key: value for key, value in state.items() if value is not None}, blobs)
 
 

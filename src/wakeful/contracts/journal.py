@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol
 
 from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry
 
 
 class JournalError(Exception):
@@ -18,11 +19,17 @@ class Journal(Protocol):
     After ``commit`` returns the lines are durable. After it raised, none of them is there.
     """
 
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
-        """Append ``lines`` (positions must continue the journal's), replace ``state`` (None deletes) and add ``blobs``."""
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        """Append ``lines``, packed or not (positions must continue the journal's), replace ``state`` (None deletes) and add
+        ``blobs``."""
 
     def lines(self, after: int = 0) -> Iterator[Line]:
-        """The lines with position > ``after``, in order."""
+        """The lines with position > ``after``, in order; those of packs one by one."""
+
+    def entries(self, after: int = 0) -> Iterator[Entry]:
+        """What was committed with position > ``after``, in order, packs as packs where the journal keeps them: for recovery.
+
+        ``after`` is the last position of an entry, or 0."""
 
     def state(self) -> dict[str, bytes]:
         """The keyed state as of the last commit."""

@@ -21,7 +21,8 @@ from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
-from wakeful.facts.lines import Admitted, Answered, Concluded, Duplicate, Line, Moved, Refused
+from wakeful.facts.lines import Admitted, Answered, Concluded, Duplicate, Moved, Refused
+from wakeful.facts.packs import Entry, expanded
 from wakeful.facts.processes import State
 from wakeful.journal.acts import ActSpool, Handed
 from wakeful.kernel import Kernel
@@ -96,7 +97,7 @@ class LiveDriver:
 
     async def __aenter__(self) -> LiveDriver:
         self._woken = asyncio.Event()
-        recovered = self.kernel.recover(self.journal.lines(), self.journal.state(), JournalBlobs(self.journal))
+        recovered = self.kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
         self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - time.monotonic_ns()
         await self._commit(recovered)
         reach("recovery: committed")
@@ -261,9 +262,9 @@ class LiveDriver:
             if requests.blobs:
                 reach("publication: committed")
 
-    def _answer(self, lines: tuple[Line, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
+    def _answer(self, entries: tuple[Entry, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
         receipts: dict[object, Receipt] = {}
-        for line in lines:
+        for line in expanded(entries):
             record = line.record
             if isinstance(record, Admitted):
                 receipts[record.event.position] = Receipt("admitted", record.event.id)

@@ -21,6 +21,7 @@ from wakeful.facts.events import Draft, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
 from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry
 from wakeful.facts.time import LARGEST_NS, to_ns
 from wakeful.journal.acts import ActSpool
 from wakeful.kernel import Kernel
@@ -67,10 +68,10 @@ class SimulatedDriver:
         self._acts_due_s = 0.0
         self._loop = asyncio.new_event_loop()
         self._answers: list[tuple[int, int, int, Answer]] = []
-        self._lines: list[Line] = []
+        self._lines: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
         self._wake_ns: int | None = None
-        recovered = kernel.recover(journal.lines(), journal.state(), JournalBlobs(journal))
+        recovered = kernel.recover(journal.entries(), journal.state(), JournalBlobs(journal))
         self._lines.extend(recovered.lines)
         self._commit()
         reach("recovery: committed")

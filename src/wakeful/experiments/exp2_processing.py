@@ -35,6 +35,7 @@ from wakeful.facts.events import CRITICAL, Context, Draft, Event, Observation
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Begin, Input
 from wakeful.facts.lines import Admitted, Created, Line, Moved
+from wakeful.facts.packs import expanded
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
@@ -164,7 +165,7 @@ def run(world: tuple[Arrival, ...], policy: Policy, *, told: Told = "effort") ->
         for at_ns, inputs in ((now_ns - _BEFORE_NS, coming.get(step, [])), (now_ns, [])):
             requests = kernel.feed(inputs, at_ns)
             journal.commit(requests.lines, kernel.changed(), requests.blobs)
-            lines.extend(requests.lines)
+            lines.extend(expanded(requests.lines))
         for number in _first_steps(lines, begun):
             evidence_steps = world[number - 1].evidence_steps
             if evidence_steps is not None:

@@ -11,7 +11,7 @@ from wakeful.facts.asking import Question, Safety
 from wakeful.facts.events import Draft, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import ModelCard
-from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry
 from wakeful.facts.values import NOTHING, Fact, Raw
 
 
@@ -122,10 +122,10 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Requests(msgspec.Struct, frozen=True, kw_only=True):
-    """What the kernel wants done. The driver commits lines and blobs, with the kernel's ``changed()`` state, in one
-    transaction before it acts on the rest."""
+    """What the kernel wants done. The driver commits lines (packed or not) and blobs, with the kernel's ``changed()`` state, in
+    one transaction before it acts on the rest."""
 
-    lines: tuple[Line, ...] = ()
+    lines: tuple[Entry, ...] = ()
     blobs: dict[str, bytes] = {}
     calls: tuple[Call, ...] = ()
     trainings: tuple[Training, ...] = ()

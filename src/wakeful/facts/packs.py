@@ -6,6 +6,7 @@ journal's file and recovery see the pack (DESIGN section 4: one packed row per b
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import TypeAlias
 
 import msgspec
@@ -127,3 +128,17 @@ class Pack(msgspec.Struct, frozen=True):
 
 Entry: TypeAlias = Line | Pack
 """What is committed: a line, or a pack of lines."""
+
+
+def expanded(entries: Iterable[Entry]) -> Iterator[Line]:
+    """The lines that entries stand for, in order."""
+    for entry in entries:
+        if isinstance(entry, Line):
+            yield entry
+        else:
+            yield from entry.lines()
+
+
+def last_position(entry: Entry) -> int:
+    """The position of an entry's last line."""
+    return entry.position if isinstance(entry, Line) else entry.last

@@ -15,6 +15,7 @@ import msgspec
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry, expanded
 from wakeful.journal.lock import FileLock
 from wakeful.journal.reading import Reading
 from wakeful.journal.schema import APPLICATION_ID, MIGRATIONS, VERSION
@@ -105,16 +106,17 @@ class SqliteJournal:
         """The last committed position, 0 for an empty journal."""
         return self._last
 
-    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
         """Append, in one transaction. After an error nothing of it is there and the journal can be used again.
 
         Raises:
             JournalError: the positions don't continue the journal's, or SQLite could not write (disk full, read-only).
         """
-        for expected, line in enumerate(lines, self._last + 1):
+        unpacked = list(expanded(lines))
+        for expected, line in enumerate(unpacked, self._last + 1):
             if line.position != expected:
                 raise JournalError(f"line {line.position} does not follow {expected - 1} in {self.path}")
-        rows = [self._row(line) for line in lines]
+        rows = [self._row(line) for line in unpacked]
         try:
             with self._db:
                 reach("commit: begun")
@@ -131,17 +133,17 @@ class SqliteJournal:
                         self._db.execute("INSERT OR REPLACE INTO state VALUES (?, ?)", (key, value))
                 for name, value in blobs.items():
                     self._db.execute("INSERT OR IGNORE INTO blobs VALUES (?, ?)", (name, value))
-                if lines:
+                if unpacked:
                     self._db.execute(
                         "INSERT INTO commits VALUES (?, ?, ?, ?)",
-                        (lines[-1].position, time.time_ns(), time.monotonic_ns(), self._boot),
+                        (unpacked[-1].position, time.time_ns(), time.monotonic_ns(), self._boot),
                     )
                 reach("commit: state written")
         except apsw.Error as error:
             raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
         reach("commit: done")
-        if lines:
-            self._last = lines[-1].position
+        if unpacked:
+            self._last = unpacked[-1].position
 
     def _row(self, line: Line) -> tuple[int, int, str, str | None, int | None, str]:
         record = line.record
@@ -165,6 +167,14 @@ class SqliteJournal:
             JournalError: the file is damaged; the message names the line.
         """
         return self._reading.lines("position > ?", [after])
+
+    def entries(self, after: int = 0) -> Iterator[Entry]:
+        """What was committed with position > ``after``, in order: line by line, for packs are kept as their lines.
+
+        Raises:
+            JournalError: the file is damaged; the message names the line.
+        """
+        return self.lines(after)
 
     def lines_of(self, *, event: str | None = None, process: int | None = None, kinds: Sequence[str] = ()) -> Iterator[Line]:
         """The lines about an event or a process (or both), or of some kinds, in order; looked up by index."""

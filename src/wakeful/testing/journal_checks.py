@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from wakeful.contracts.journal import Journal, JournalError
+from wakeful.facts.decisions import Candidate, Decision, Gate
+from wakeful.facts.events import Event
 from wakeful.facts.lines import Line, Noted
+from wakeful.facts.packs import Covered, Entry, Pack, expanded
+from wakeful.facts.time import Stamp
 from wakeful.testing.broken import ContractBroken, require
 
 
@@ -36,6 +40,8 @@ def check_journal(open_journal: Callable[[], Journal], durable: bool = True) -> 
         _refused(journal, wrong)
         _expect(journal, (*first, *second), {"b": b"3", "c": b""})
     _no_blob(journal, "none")
+    if not durable:
+        _packed(journal)
     journal.close()
     if durable:
         again = open_journal()
@@ -43,7 +49,29 @@ def check_journal(open_journal: Callable[[], Journal], durable: bool = True) -> 
         require(again.blob("model") == b"\x00weights", "a blob must outlive the journal's closing")
         again.commit(_lines(6, 1), {}, {})
         require(again.last == 6, "an opened journal must go on at its last position")
+        _packed(again)
         again.close()
+
+
+def _packed(journal: Journal) -> None:
+    """A pack's lines are there one by one, between those of other entries, and recovery gets what stands for the same."""
+    pack = Pack(journal.last + 1, 7_000, _burst())
+    entries: tuple[Entry, ...] = (pack, *_lines(pack.last + 1, 1))
+    journal.commit(entries, {}, {})
+    before = pack.position - 1
+    require(journal.last == pack.last + 1, "a pack counts as many positions as it has lines")
+    require(tuple(journal.lines(before)) == tuple(expanded(entries)), "a pack must read back as its lines")
+    require(tuple(journal.lines(pack.position)) == tuple(expanded(entries))[1:], "lines(after) may begin within a pack")
+    require(tuple(expanded(journal.entries(before))) == tuple(expanded(entries)), "entries must stand for the same lines")
+    require(tuple(journal.entries(pack.last)) == entries[1:], "entries(after) must begin with the next one")
+
+
+def _burst() -> Covered:
+    event = Event(id="e", kind="check", entity="journal", source="check", position=0, stamp=Stamp(source_ns=1))
+    gate = Gate(confidence=0.9, threshold=0.5, novelty=0.1, novelty_limit=0.9, trust=0.8, trust_limit=0.4)
+    candidates = (Candidate(treatment="memory", probability=0.9),)
+    decision = Decision(treatment="memory", mode="auto", confidence=0.9, candidates=candidates, reasons=("a check",), gate=gate)
+    return Covered(event=event, process=1, decision=decision)
 
 
 def _lines(start: int, count: int) -> tuple[Line, ...]:
