@@ -56,7 +56,7 @@ class Mark(Fact, frozen=True):
 
 
 class Act(Fact, frozen=True):
-    """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen``.
+    """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen`` of a process, or ``rollback`` to a model version.
 
     ``id`` makes it idempotent: the same id fed twice acts once. An act without one is a new act each time.
     """
@@ -66,6 +66,10 @@ class Act(Fact, frozen=True):
     process: int
     why: str
     id: str = ""
+    event: str = ""
+    """With ``reopen``: the event of the completed process."""
+    version: int = 0
+    """With ``rollback``: the model version to decide with from then on."""
 
 
 Input: TypeAlias = Begin | End | Mark | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act

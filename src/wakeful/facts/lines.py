@@ -209,6 +209,20 @@ class Acted(Record, frozen=True):
     why: str
     id: str = ""
     refused: str = ""
+    version: int = 0
+
+
+class Imported(Record, frozen=True):
+    """An experience that another robot made, with its event as it was there. ``experience.id`` is counted in this journal.
+
+    ``origin`` and ``origin_id`` say whose it is: the journal that it was exported from, and its id there. It is learning
+    material and can be remembered; it is no event of this journal, and no outcome of it counts for a guarantee here.
+    """
+
+    experience: Experience
+    event: Event
+    origin: str
+    origin_id: int
 
 
 #: What a Noted says of a stretch, ending then, in which its source was not recording.
@@ -245,6 +259,7 @@ AnyRecord = (
     | Trusted
     | Reopened
     | Acted
+    | Imported
     | Noted
 )
 
