@@ -33,13 +33,15 @@ class SqliteJournal:
         path: the file; made, with its directory, where it is absent and ``read_only`` is false.
         read_only: look without the writer's lock; may be done beside a running writer.
         full_sync: ``synchronous=FULL`` (survives power loss) or NORMAL (survives a killed process).
+        vfs: the name of the SQLite VFS that does the reading and writing, for tests of a failing disk; None: the system's.
 
     Raises:
         JournalError: not a journal, a newer schema, locked by another process, unreadable.
     """
 
-    def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True) -> None:
+    def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> None:
         self.path = path
+        self._vfs = vfs
         self._encode = msgspec.json.Encoder().encode
         self._lock: FileLock | None = None
         if read_only and not path.is_file():
@@ -63,7 +65,11 @@ class SqliteJournal:
     def _prepare(self) -> None:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            os.close(os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600))
+            if not self.path.exists():
+                os.close(os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600))
+                _sync_directory(self.path.parent)
+            else:
+                os.close(os.open(self.path, os.O_RDWR))
         except OSError as error:
             raise JournalError(
                 f"{self.path} cannot be written: {error.strerror}; name another file with --journal or free the place"
@@ -71,7 +77,7 @@ class SqliteJournal:
 
     def _connect(self, read_only: bool, full_sync: bool) -> apsw.Connection:
         flags = apsw.SQLITE_OPEN_READONLY if read_only else apsw.SQLITE_OPEN_READWRITE
-        db = apsw.Connection(str(self.path), flags=flags)
+        db = apsw.Connection(str(self.path), flags=flags, vfs=self._vfs)
         db.set_busy_timeout(5_000)
         version = _number(db, "PRAGMA user_version")
         application = _number(db, "PRAGMA application_id")
@@ -224,9 +230,17 @@ class SqliteJournal:
         return self._reading.blob(name)
 
     def close(self) -> None:
-        """Release the file. Committed lines stay."""
-        self._db.close()
-        self._release()
+        """Release the file. Committed lines stay, also where tidying up fails.
+
+        Raises:
+            JournalError: SQLite could not tidy up behind itself; the file is released all the same.
+        """
+        try:
+            self._db.close()
+        except apsw.Error as error:
+            raise JournalError(f"{self.path} could not be tidied up on closing: {error}; what was committed stays") from error
+        finally:
+            self._release()
 
     def _release(self) -> None:
         if self._lock is not None:
@@ -240,13 +254,22 @@ class SqliteJournal:
         self.close()
 
 
-def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True) -> SqliteJournal:
+def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> SqliteJournal:
     """Open, or make, the journal at ``path``. See SqliteJournal."""
-    return SqliteJournal(path, read_only=read_only, full_sync=full_sync)
+    return SqliteJournal(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
 
 
 def _number(db: apsw.Connection, query: str) -> int:
     return int(next(db.execute(query))[0])
+
+
+def _sync_directory(directory: Path) -> None:
+    """Make the names in it durable: the journal's own name must outlive a loss of power as its content does."""
+    handle = os.open(directory, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _boot_id() -> str:
