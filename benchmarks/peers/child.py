@@ -1,0 +1,82 @@
+"""One run of W by one system in a process of its own: prints one JSON object.
+
+python -m benchmarks.peers.child SYSTEM VARIANT WORKLOAD STORE LOAD
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import resource
+import sys
+import threading
+import time
+from pathlib import Path
+from statistics import median, quantiles
+
+import msgspec
+
+from benchmarks.peers.running import Load, Run
+from benchmarks.peers.systems import SYSTEMS
+from benchmarks.peers.treating import checksum
+from benchmarks.peers.workload import facts_of, lean_of, messages_of
+
+
+def main(system: str, variant: str, workload: Path, store: Path, load: Load) -> dict[str, object]:
+    """Run it and say what it took."""
+    store.mkdir(parents=True, exist_ok=True)
+    facts = facts_of(workload)
+    run = Run(messages_of(workload), lean_of(workload), workload, store, load)
+    made = SYSTEMS[system].make(variant, run)
+    gc.collect()
+    before_mb = _peak_mb()
+    cpu, began = time.process_time(), time.perf_counter()
+    made.run()
+    seconds, cpu_s = time.perf_counter() - began, time.process_time() - cpu
+    threads = _threads()
+    peak_mb = _peak_mb()
+    finals = made.finals()
+    times = run.times
+    return {
+        "system": system,
+        "variant": variant,
+        "events": facts.events,
+        "events_per_second": facts.events / seconds,
+        "cpu_us_per_event": (cpu_s + getattr(made, "other_cpu_s", 0.0)) * 1e6 / facts.events,
+        "admit": _spread(times.came, times.durable),
+        "step": _spread(times.came, times.stepped),
+        "resume": _spread(times.read, times.resumed),
+        "bytes_per_event": made.stored_bytes() / facts.events,
+        "peak_mb": peak_mb,
+        "base_mb": before_mb,
+        "threads": threads,
+        "finals": len(finals),
+        "checksum": checksum(finals),
+        "right": checksum(finals) == facts.checksum,
+        **getattr(made, "extra", {}),
+    }
+
+
+def _spread(since: dict[str, int], until: dict[str, int]) -> list[float] | None:
+    """p50, p99 and the longest, in milliseconds, of what has both ends in that order."""
+    took = [(until[name] - since[name]) / 1e6 for name in since if name in until and until[name] >= since[name]]
+    if len(took) < 2:
+        return None
+    return [round(each, 4) for each in (median(took), quantiles(took, n=100)[-1], max(took))]
+
+
+def _peak_mb() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _threads() -> int:
+    try:
+        status = Path("/proc/self/status").read_text()
+    except OSError:
+        return threading.active_count()
+    return next((int(line.split()[1]) for line in status.splitlines() if line.startswith("Threads:")), 0)
+
+
+if __name__ == "__main__":
+    name, kind, folder, own, given = sys.argv[1:]
+    print(json.dumps(main(name, kind, Path(folder), Path(own), msgspec.json.decode(given, type=Load))))

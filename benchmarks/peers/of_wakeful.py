@@ -1,0 +1,207 @@
+"""W through wakeful: a domain of 25 lines, six treatments, and the driver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import msgspec
+
+from benchmarks.peers.learned import DOMAIN, draft
+from benchmarks.peers.messages import TREATMENTS, Event, Tick, decode
+from benchmarks.peers.messages import Evidence as Reading
+from benchmarks.peers.running import Run, now_ns, size_of
+from benchmarks.peers.treating import LIMIT_S, TOPIC, WAITS, conclude, final, look, weigh
+from wakeful import Event as WakefulEvent
+from wakeful import Evidence, MindView, Outcome, Registry, Result, treatment
+from wakeful.contracts.bridge import Item
+from wakeful.contracts.learner import Predictor
+from wakeful.deliberation.guidelines import GuidelineReasoner
+from wakeful.drivers.assembly import assemble
+from wakeful.drivers.simulated import SimulatedDriver
+from wakeful.facts.experience import ModelCard
+from wakeful.facts.inputs import TrainingJob
+from wakeful.facts.lines import Admitted, Concluded, Judged, Line, Published
+from wakeful.facts.settings import MindSettings
+from wakeful.journal import open_journal
+from wakeful.journal.sqlite import SqliteJournal
+from wakeful.learning.two_heads import TwoHeads
+
+SOURCE = "w"
+
+
+class Treated(Result, frozen=True, kw_only=True, tag="treated"):
+    """What the stub treatment concludes."""
+
+    state: int
+    reading: float | None = None
+
+
+class Fixed(TwoHeads):
+    """The same two heads, which learn nothing in W: no other system does."""
+
+    def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
+        """Refuse at once."""
+        card = ModelCard(
+            version=job.training,
+            base=job.base_version,
+            watermark=job.watermark,
+            seed=job.seed,
+            epochs=0,
+            blob="",
+            accepted=False,
+            why="W does not train",
+        )
+        return card, b""
+
+    def load(self, weights: bytes) -> Predictor:
+        """The model of W."""
+        return super().load(weights)
+
+
+class Wakeful:
+    """In virtual time: the workload's own clock drives limits, as fast as the machine goes."""
+
+    def __init__(self, run: Run, _variant: str) -> None:
+        self._run = run
+        self._path = run.store / "mind.db"
+        if not self._path.exists():
+            prepare(self._path, run.workload, run.load.full_sync)
+        self._before = size_of(run.store, "mind.db")
+        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
+        self._journal = Stamping(self._path, full_sync=run.load.full_sync)
+        self._driver = SimulatedDriver(kernel, self._journal, GuidelineReasoner(kernel.domain.spec), learner)
+
+    def run(self) -> None:
+        """Read the messages as one source."""
+        self._handed: list[str] = []
+        told = 0
+        for _ in self._driver.run(SOURCE, "w", self._items):
+            if self._journal.committed:
+                self._journal.committed = False
+                self._run.acknowledge(self._handed[told:])
+                told = len(self._handed)
+        self._run.acknowledge(self._handed[told:])
+
+    def _items(self, after: int) -> Iterator[Item]:
+        times, position = self._run.times, -1
+        for text in self._run.messages:
+            came_ns = now_ns()
+            message = decode(text)
+            if isinstance(message, Tick):
+                continue
+            position += 1
+            if position <= after:
+                continue
+            if isinstance(message, Event):
+                times.came[message.entity] = came_ns
+                self._handed.append(message.entity)
+                yield draft(message, SOURCE, position)
+            elif isinstance(message, Reading):
+                times.read.setdefault(message.entity, came_ns)
+                yield evidence(message)
+            else:
+                yield outcome(message)
+
+    def finals(self) -> list[str]:
+        """From the journal."""
+        self._driver.close()
+        self._journal.close()
+        return finals_of(self._path)
+
+    def stored_bytes(self) -> int:
+        """The journal's growth."""
+        return size_of(self._run.store, "mind.db") - self._before
+
+
+class Stamping(SqliteJournal):
+    """The journal, which says that it has committed."""
+
+    committed = False
+
+    def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        """Append, in one transaction."""
+        super().commit(lines, state, blobs)
+        self.committed = True
+
+
+def registry(run: Run) -> Registry:
+    """The six stub treatments, in the places of wakeful's own."""
+    found = Registry(installed=())
+    for name in TREATMENTS:
+        found.add(stub(name, run), replace=True)
+    return found
+
+
+def stub(name: str, run: Run) -> object:
+    """Three steps, and a reading where one is needed."""
+    times, load = run.times, run.load
+
+    @treatment(name, says="The stub treatment of W.")
+    async def treat(event: WakefulEvent, mind: MindView) -> Treated:
+        entity, reading = event.entity, 0.0
+        await mind.work()
+        times.stepped[entity] = now_ns()
+        seen = look(entity, event.fields["load"])
+        if event.fields["category"] == WAITS:
+            came = await mind.evidence(TOPIC, entity, LIMIT_S)
+            times.resumed[entity] = now_ns()
+            reading = msgspec.json.decode(came[0].value) if came else None
+        await mind.work()
+        state = weigh(seen, reading)
+        if load.calls:
+            await mind.call(lambda: run.call(entity), entity, 60.0)
+        await mind.work()
+        forecast = mind.forecast()
+        state = conclude(state, forecast.label)
+        waited = reading if event.fields["category"] == WAITS else None
+        return Treated(says="", confidence=forecast.probability, forecast=forecast, state=state, reading=waited)
+
+    return treat
+
+
+def evidence(message: Reading) -> Evidence:
+    """A reading as wakeful takes it."""
+    value = msgspec.Raw(msgspec.json.encode(message.value))
+    return Evidence(id=message.id, topic=TOPIC, key=message.entity, at_ns=message.at_ns, value=value)
+
+
+def outcome(message: object) -> Outcome:
+    """An outcome as wakeful takes it."""
+    return Outcome(
+        id=message.id,
+        topic="outcome",
+        entity=message.entity,
+        label=message.label,
+        at_ns=message.at_ns,
+        acted_on=message.acted_on,
+    )
+
+
+def prepare(path: Path, workload: Path, full_sync: bool) -> None:
+    """A journal in which the model was published, as a robot's that has learned before."""
+    card = msgspec.json.decode((workload / "card.json").read_bytes(), type=ModelCard)
+    with open_journal(path, full_sync=full_sync) as journal:
+        line = Line(1, 1, Published(training=card.version, card=card))
+        journal.commit((line,), {}, {card.blob: (workload / "weights.bin").read_bytes()})
+
+
+def finals_of(path: Path) -> list[str]:
+    """Each judged event's final state."""
+    entities: dict[str, str] = {}
+    results: dict[str, tuple[str, Treated, str]] = {}
+    finals = []
+    with open_journal(path, read_only=True) as journal:
+        for line in journal.lines():
+            record = line.record
+            if isinstance(record, Admitted):
+                entities[record.event.id] = record.event.entity
+            elif isinstance(record, Concluded):
+                result = msgspec.json.decode(record.result, type=Treated)
+                results[record.event] = record.treatment, result, record.forecast.label if record.forecast else ""
+            elif isinstance(record, Judged):
+                name, result, label = results[record.event]
+                finals.append(
+                    final(entities[record.event], name, label, result.reading, result.state, record.label, record.verdict.value)
+                )
+    return finals
