@@ -26,6 +26,7 @@ from wakeful.facts.experience import Experience, ModelCard
 from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
 from wakeful.facts.lines import (
     GAP,
+    Acted,
     Admitted,
     AnyRecord,
     Concluded,
@@ -56,6 +57,9 @@ from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
 
 _STATE_KEY = "kernel"
+
+#: Accepted model versions whose weights stay at hand for a rollback; older ones are in the journal, for a rollback at rest.
+KEPT_VERSIONS = 8
 
 
 class _KernelState(msgspec.Struct, kw_only=True):
@@ -94,6 +98,7 @@ class Kernel:
         self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings(seed=settings.seed))
         self._counsel = Counsel()
         self._weights = b""
+        self._versions: dict[int, tuple[ModelCard, bytes]] = {}
         self._revision = Revision(spec)
         self._lines: list[Line] = []
         self._blobs: dict[str, bytes] = {}
@@ -173,6 +178,8 @@ class Kernel:
                 self.write(self._sources.begin(item))
             case End():
                 self._break_off(item)
+            case Act(act="rollback"):
+                self._roll_back(item)
             case Act():
                 self._scheduler.act(item)
 
@@ -278,6 +285,16 @@ class Kernel:
             self.write(Reopened(process=process, reopens=stale.process, event=stale.event, because=stale.because))
             self._start(event, reopens=stale.process, why=stale.because)
 
+    def closed_to(self, act: Act) -> str:
+        """Why a completed process cannot be reopened; empty where it can."""
+        return "" if act.event in self._events else f"event {act.event or 'of that process'} is no longer in memory"
+
+    def reopen(self, act: Act) -> None:
+        """Think about a completed process's event again, because a person wants it: in a new process linked to the old."""
+        because = f"{act.who}: {act.why}"
+        self.write(Reopened(process=self._scheduler.processes.next_id, reopens=act.process, event=act.event, because=because))
+        self._start(self._events[act.event], reopens=act.process, why=because)
+
     def _learn(self) -> None:
         """Learn: ask for a training where enough was gained (Eq. 8); it runs off the kernel's thread."""
         asked = self._learning.due(self._now_ns)
@@ -286,7 +303,9 @@ class Kernel:
             self._trainings.append(self._training(asked))
 
     def _training(self, asked: TrainingAsked) -> Training:
-        job = self._learning.job(asked, self._weights)
+        card = self._selector.card
+        rolled_back = card is not None and card.version != asked.base and asked.base in self._versions
+        job = self._learning.job(asked, self._versions[asked.base][1] if rolled_back else self._weights)
         return Training(training=asked.training, publish_ns=asked.publish_ns, job=job)
 
     def _reuse(self, trained: Trained) -> None:
@@ -296,12 +315,29 @@ class Kernel:
             return
         if trained.card.accepted:
             self._blobs[trained.card.blob] = trained.weights
+            self._keep(trained.card, trained.weights)
             self._use(trained.card, trained.weights)
             reach("publication: decided")
         for trusted in self._revision.relearned(trained.card):
             self.write(trusted)
         self.write(Published(training=trained.training, card=trained.card))
         self._learn()
+
+    def _roll_back(self, act: Act) -> None:
+        """Decide with an earlier accepted version from here on; what is learned next goes on from it."""
+        if act.id and self._scheduler.processes.acted(act.id):
+            return
+        found = self._versions.get(act.version)
+        at_hand = ", ".join(map(str, self._versions)) or "none"
+        refused = "" if found else f"model version {act.version} is not at hand (at hand: {at_hand})"
+        self.write(Acted(who=act.who, act=act.act, process=0, why=act.why, id=act.id, refused=refused, version=act.version))
+        if found is not None:
+            self._use(*found)
+
+    def _keep(self, card: ModelCard, weights: bytes) -> None:
+        self._versions[card.version] = (card, weights)
+        while len(self._versions) > KEPT_VERSIONS:
+            del self._versions[next(iter(self._versions))]
 
     def _use(self, card: ModelCard, weights: bytes) -> None:
         """Select with that version; one that was fitted to other fields of the domain is named and left, guidelines go on."""
@@ -418,6 +454,7 @@ class Kernel:
         """
         reach("recovery: begun")
         card = None
+        accepted: dict[int, ModelCard] = {}
         asked: TrainingAsked | None = None
         for line in expanded(entries):
             self._position = line.position
@@ -425,14 +462,20 @@ class Kernel:
             self._apply(line.record)
             if isinstance(line.record, Published):
                 asked = None
-                card = line.record.card if line.record.card.accepted else card
+                if line.record.card.accepted:
+                    card = accepted[line.record.card.version] = line.record.card
             elif isinstance(line.record, TrainingAsked):
                 asked = line.record
+            elif isinstance(line.record, Acted) and line.record.act == "rollback" and not line.record.refused:
+                card = accepted.get(line.record.version, card)
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
             self._sources.restore(found.sources, state)
         self._scheduler.shelf.restore(state)
+        for each in list(accepted.values())[-KEPT_VERSIONS:]:
+            if each.blob in blobs:
+                self._keep(each, blobs[each.blob])
         if card is not None:
             self._use(card, blobs[card.blob])
         reach("recovery: folded")

@@ -2,41 +2,25 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from uuid import uuid4
 
 import click
 
+from wakeful.cli.handing import THIS_COMMAND, hand
 from wakeful.cli.mistakes import Mistake
 from wakeful.cli.options import F, journal_option, json_option, named_journal, option, print_json
 from wakeful.cli.terminal import say
-from wakeful.drivers.at_rest import act_at_rest
 from wakeful.facts.inputs import Act
-from wakeful.facts.lines import Acted
-from wakeful.journal.acts import ActSpool
-from wakeful.journal.lock import JournalLocked
 from wakeful.journal.sqlite import open_journal
-from wakeful.journal.views import History, ProcessPast, View
+from wakeful.journal.views import History, ProcessPast
 from wakeful.journal.wording.words import duration
 
-_LOOK_EVERY_S = 0.1
 _DONE = {
     "hold": "process {} is held: it keeps its state and gets no slot until it is resumed",
     "release": "process {} may go on",
     "cancel": "process {} is cancelled; its event is owed a treatment ('wakeful debt' lists it)",
 }
-
-
-class Operated(View, frozen=True):
-    """What became of an act. ``by`` is ``this command`` or the pid of the mind that recorded it, or is to record it."""
-
-    act: str
-    process: int
-    id: str
-    recorded: bool
-    position: int
-    by: str
 
 
 class Process(click.ParamType[int]):
@@ -102,7 +86,7 @@ def cancel_command(process: int, who: str, why: str, journal: Path | None, wait_
 def _operate(act: str, process: int, who: str, why: str, journal: Path | None, wait_s: float, as_json: bool) -> None:
     path = named_journal(journal)
     _check(path, act, process)
-    done = _hand(path, Act(who=who, act=act, process=process, why=why, id=uuid4().hex), wait_s)
+    (done,) = hand(path, [Act(who=who, act=act, process=process, why=why, id=uuid4().hex)], wait_s)
     if as_json:
         print_json(done)
     elif not done.recorded:
@@ -111,7 +95,7 @@ def _operate(act: str, process: int, who: str, why: str, journal: Path | None, w
             "input, or whoever writes the journal next does"
         )
     else:
-        where = "applied at once" if done.by == "this command" else f"taken up by the running mind, process {done.by}"
+        where = "applied at once" if done.by == THIS_COMMAND else f"taken up by the running mind, process {done.by}"
         say(f"{_DONE[act].format(process)} ({where}, line {done.position})")
 
 
@@ -137,45 +121,3 @@ def _check_state(found: ProcessPast, act: str) -> None:
 
 
 _WORDS = {"hold": "suspend", "release": "resume", "cancel": "cancel"}
-
-
-def _hand(path: Path, act: Act, wait_s: float) -> Operated:
-    """Do it here where nobody writes the journal, else hand it to whoever does and wait for the record."""
-    spool = ActSpool(path)
-    until_s = time.monotonic() + wait_s
-    handed, holder = False, ""
-    while True:
-        try:
-            recorded, by = _at_rest(path, spool, act), "this command"
-        except JournalLocked as locked:
-            holder = locked.holder
-            if not handed:
-                spool.put(act)
-                handed = True
-            recorded, by = _record_of(path, act), holder
-        if recorded is not None:
-            position, record = recorded
-            if record.refused:
-                raise Mistake(f"{record.refused} any more: it had completed before the act came")
-            return Operated(act=act.act, process=act.process, id=act.id, recorded=True, position=position, by=by)
-        if time.monotonic() >= until_s:
-            return Operated(act=act.act, process=act.process, id=act.id, recorded=False, position=0, by=holder)
-        time.sleep(_LOOK_EVERY_S)
-
-
-def _at_rest(path: Path, spool: ActSpool, act: Act) -> tuple[int, Acted] | None:
-    """Take up what was handed in and nobody has taken up yet, and this act."""
-    with open_journal(path) as opened:
-        waiting = spool.waiting()
-        acts = [each.act for each in waiting]
-        done = act_at_rest(opened, acts if any(each.id == act.id for each in acts) else [*acts, act])
-        spool.done(waiting)
-    return next((each for each in done if each[1].id == act.id), None) or _record_of(path, act)
-
-
-def _record_of(path: Path, act: Act) -> tuple[int, Acted] | None:
-    with open_journal(path, read_only=True) as opened:
-        for line in opened.lines_of(process=act.process, kinds=("acted",)):
-            if isinstance(line.record, Acted) and line.record.id == act.id:
-                return line.position, line.record
-    return None

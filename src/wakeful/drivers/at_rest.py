@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NoReturn
 
+import msgspec
+
 from wakeful.contracts.journal import Journal
 from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.decisions import Decision
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.inputs import Act, Call
-from wakeful.facts.lines import Acted, Admitted, AnyRecord, Concluded, Line, Noted
+from wakeful.facts.lines import Acted, Admitted, AnyRecord, Concluded, Created, Decided, Line, Noted, Reopened
 from wakeful.facts.settings import MindSettings
 from wakeful.scheduling import Scheduler, SuspendResume
 from wakeful.scheduling.evidence import EvidenceShelf
@@ -32,6 +34,7 @@ class _AtRest:
         self.now_ns = 0
         self.lines: list[Line] = []
         self._events: dict[str, Event] = {}
+        self._decided: dict[int, Decision] = {}
         self._position = journal.last
         spec = DomainSpec(name="", version=0, says="")
         self.scheduler = Scheduler(self, SuspendResume(), _Nothing(), spec, (), EvidenceShelf({}, 0))
@@ -47,6 +50,8 @@ class _AtRest:
     def _apply(self, record: AnyRecord) -> None:
         if isinstance(record, Admitted):
             self._events[record.event.id] = record.event
+        elif isinstance(record, Decided):
+            self._decided[record.process] = record.decision
         self.scheduler.processes.apply(record, self.now_ns)
 
     def event(self, identity: str) -> Event:
@@ -60,6 +65,28 @@ class _AtRest:
 
     def concluded(self, record: Concluded) -> None:
         """Nothing concludes at rest."""
+
+    def closed_to(self, act: Act) -> str:
+        return "" if act.event in self._events and act.process in self._decided else f"there is no event {act.event!r}"
+
+    def reopen(self, act: Act) -> None:
+        """The event gets a new process, to be deliberated: a mind at rest decides nothing anew."""
+        because = f"{act.who}: {act.why}"
+        before = self._decided[act.process]
+        decision = msgspec.structs.replace(before, mode="delib", reasons=(because, *before.reasons))
+        process = self.scheduler.processes.next_id
+        self.write(Reopened(process=process, reopens=act.process, event=act.event, because=because))
+        event = self._events[act.event]
+        self.write(
+            Created(
+                process=process,
+                event=event.id,
+                treatment=decision.treatment,
+                criticality=event.criticality,
+                reopens=act.process,
+            )
+        )
+        self.write(Decided(process=process, event=event.id, decision=decision))
 
     def recall(self, query: Query) -> tuple[Episode, ...]:  # noqa: ARG002
         return ()

@@ -12,7 +12,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.inputs import TrainingJob
-from wakeful.facts.lines import AnyRecord, Gained, Published, TrainingAsked
+from wakeful.facts.lines import Acted, AnyRecord, Gained, Published, TrainingAsked
 from wakeful.facts.time import to_ns
 from wakeful.learning.replay import Row, Sides, refuted, replay
 
@@ -98,7 +98,7 @@ class Learning:
         return tuple(self._rows.values())
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
-        """Take up a record; all but Gained, TrainingAsked and Published are passed over.
+        """Take up a record; all but Gained, TrainingAsked, Published and a rollback are passed over.
 
         Args:
             record: the record, live or in recovery.
@@ -121,6 +121,8 @@ class Learning:
                 self._pending, self._frozen = None, ()
             if record.card.accepted:
                 self._base = record.card.version
+        elif isinstance(record, Acted) and record.act == "rollback" and not record.refused:
+            self._base = record.version
 
     def due(self, now_ns: int) -> TrainingAsked | None:
         """The training to ask for now, or None. At most one is under way. Asking changes nothing: applying does."""

@@ -180,15 +180,22 @@ class Scheduler:
     def take(self, act: Act) -> None:
         """Record the act and what it does, and move nobody else: all that is done to a journal at rest.
 
-        A hold and its release are flags. A cancel completes the process and its children; whoever waits for it hears so.
+        A hold and its release are flags. A cancel completes the process and its children; whoever waits for it hears so. A
+        completed process is reopened in a new one, linked to it.
         """
         if act.id and self.processes.acted(act.id):
             return
         process = self.processes.get(act.process)
         refused = f"process {act.process} is not open" if process is None and act.act in ON_OPEN else ""
-        self._host.write(Acted(who=act.who, act=act.act, process=act.process, why=act.why, id=act.id, refused=refused))
+        if act.act == "reopen":
+            refused = f"process {act.process} is still open" if process is not None else self._host.closed_to(act)
+        self._host.write(
+            Acted(who=act.who, act=act.act, process=act.process, why=act.why, id=act.id, refused=refused, version=act.version)
+        )
         if process is not None and act.act == "cancel":
             self._cancel(process, act.who)
+        elif act.act == "reopen" and not refused:
+            self._host.reopen(act)
 
     def _cancel(self, process: Process, who: str) -> None:
         self._move(process, Trigger.CANCEL, by=who)
