@@ -101,7 +101,7 @@ class Verdicts(Check):
             self._quiet = record.label
         if record.label != self._quiet:
             return f"has a window that closed over {record.label!r}; others closed over {self._quiet!r}"
-        return _wrong(record, _compared(record.predicted, record.label, acted_on=False))
+        return _wrong(record, self._compared(record, acted_on=False))
 
     def _wrong_outcome(self, record: Judged, outcome: Outcome) -> str:
         """What is wrong with a verdict that an outcome brought; empty where nothing is."""
@@ -116,7 +116,19 @@ class Verdicts(Check):
         if standing is not None and not _supersedes(outcome, standing):
             # The first in source time decides; what comes after it and says something else changes nothing.
             return _wrong(record, Verdict.UNDECIDED)
-        return _wrong(record, _compared(record.predicted, record.label, outcome.acted_on))
+        return _wrong(record, self._compared(record, outcome.acted_on))
+
+    def _compared(self, record: Judged, acted_on: bool) -> Verdict:
+        """V(r, y): what was acted on and did not come, by the label that says that nothing came, may have been prevented.
+
+        The journal does not say which label that is: the first verdict that rests on it does, and all others must agree.
+        """
+        if record.predicted == record.label:
+            return Verdict.SUPPORTED
+        if acted_on and self._quiet is None and record.verdict is Verdict.UNDECIDED:
+            self._quiet = record.label
+        prevented = acted_on and record.label == self._quiet
+        return Verdict.UNDECIDED if prevented else Verdict.CONTRADICTED
 
     def _wrong_experience(self, gained: Experience) -> str:
         judged, concluded = self._last.get(gained.process), self._concluded.get(gained.process)
@@ -144,13 +156,6 @@ class Verdicts(Check):
         )
         differing = [name for name in Experience.__struct_fields__ if getattr(gained, name) != getattr(expected, name)]
         return f"differs from the verdict on process {gained.process} in {', '.join(differing)}" if differing else ""
-
-
-def _compared(predicted: str, label: str, acted_on: bool) -> Verdict:
-    """V(r, y): what was acted on and did not come true may have been prevented."""
-    if predicted == label:
-        return Verdict.SUPPORTED
-    return Verdict.UNDECIDED if acted_on else Verdict.CONTRADICTED
 
 
 def _supersedes(outcome: Outcome, standing: _Standing) -> bool:
