@@ -19,6 +19,7 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.crash_points import reach
+from wakeful.facts.crashes import Page
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Draft, Event, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
@@ -121,6 +122,10 @@ class Kernel:
     def counts(self) -> Counts:
         """received = admitted + duplicate + refused."""
         return self._admission.counts()
+
+    def mark_on(self, page: Page) -> None:
+        """Say on that page, from now on, whose treatment's code is running: a crash leaves it to be read."""
+        self._scheduler.mark_on(page)
 
     def source(self, name: str) -> SourceState | None:
         """What is known of a source: where to go on, or that it was finished."""

@@ -8,6 +8,7 @@ import msgspec
 
 from wakeful.contracts.treatment import Refusal, Treatment
 from wakeful.facts.asking import Episode, Kind, Reply
+from wakeful.facts.crashes import MARKED, Page, mark
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.lines import Answered
@@ -37,7 +38,8 @@ class Failure(Exception):
 
 
 class Coroutines:
-    """Starts, answers and rebuilds coroutines. Holds no state of its own beside what it was made with.
+    """Starts, answers and rebuilds coroutines. Holds no state of its own beside what it was made with, and the ``page`` on which
+    it says whose code is running.
 
     Args:
         treatment: finds a treatment by name; raises KeyError where there is none.
@@ -49,6 +51,7 @@ class Coroutines:
         self._treatment = treatment
         self._spec = spec
         self._options = options
+        self.page: Page = bytearray(MARKED)
 
     def rebuild(self, process: Process, steps: int) -> Step:
         """The coroutine's want after all its recorded answers and ``steps`` steps of work, counted over all attempts.
@@ -96,15 +99,15 @@ class Coroutines:
         Raises:
             Failure: the treatment raised, or returned something that is no Result.
         """
-        return self._run(_warm(process).send, value)
+        return self._run(process, _warm(process).send, value)
 
     def answer(self, process: Process, want: Want, answered: Answered) -> Step:
         """Resume the coroutine with a recorded answer to ``want``. Raises Failure as ``send`` does."""
         coroutine = _warm(process)
         process.heard_ns = process.answered_ns[answered.seq]
         if answered.error and want.kind in (Kind.DELIBERATE, Kind.CALL, Kind.TREAT):
-            return self._run(coroutine.throw, Refusal(answered.error))
-        return self._run(coroutine.send, self._value(want, answered))
+            return self._run(process, coroutine.throw, Refusal(answered.error))
+        return self._run(process, coroutine.send, self._value(want, answered))
 
     def _value(self, want: Want, answered: Answered) -> object:
         text = answered.value
@@ -130,8 +133,10 @@ class Coroutines:
             return msgspec.json.decode(text, type=Unresolved)
         return msgspec.json.decode(text, type=self._treatment(treatment).result)
 
-    @staticmethod
-    def _run(resume: Callable[[object], object] | Callable[[BaseException], object], value: object) -> Step:
+    def _run(
+        self, process: Process, resume: Callable[[object], object] | Callable[[BaseException], object], value: object
+    ) -> Step:
+        mark(self.page, process.event.id)
         try:
             want = resume(value)  # type: ignore[arg-type]  # send takes any value, throw an exception: the caller pairs them
         except StopIteration as stop:
@@ -142,6 +147,8 @@ class Coroutines:
             raise
         except BaseException as error:  # a user's code may raise anything, SystemExit too; the event keeps its process
             raise Failure(f"{type(error).__name__}: {error}"[:500]) from error
+        finally:
+            self.page[0] = 0
         if not isinstance(want, Work | Want):
             raise Failure(f"it awaited {type(want).__name__}, which is not the mind's")
         return want

@@ -11,8 +11,9 @@ from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
-from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved
+from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved, Noted
 from wakeful.facts.processes import State, Trigger, after
+from wakeful.scheduling.crashes import Crashes
 from wakeful.scheduling.process import Process
 from wakeful.scheduling.reasoner_calls import ReasonerCalls
 
@@ -32,6 +33,7 @@ class ProcessSet:
     def __init__(self, policy: Policy, event_of: Callable[[str], Event], reasoner_slots: int = 0) -> None:
         self.policy = policy
         self.reasoner_calls = ReasonerCalls(reasoner_slots)
+        self.crashes = Crashes()
         self._learns = policy if isinstance(policy, LearningPolicy) else None
         self._event_of = event_of
         self._open: dict[int, Process] = {}
@@ -117,6 +119,8 @@ class ProcessSet:
             self._answered(record, now_ns)
         elif isinstance(record, Acted):
             self._acted(record, now_ns)
+        elif isinstance(record, Noted):
+            self.crashes.apply(record)
 
     def _created(self, record: Created, now_ns: int) -> None:
         if record.parent:
@@ -127,6 +131,8 @@ class ProcessSet:
                 event = _EVENT.decode(pending.detail)
         else:
             event = self._event_of(record.event)
+        if record.reopens:
+            self.crashes.forget(record.event)
         process = Process(
             id=record.process,
             event=event,

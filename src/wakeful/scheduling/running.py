@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from wakeful.facts.asking import Kind
+from wakeful.facts.crashes import QUARANTINED
 from wakeful.facts.lines import Asked, Concluded, Decided
 from wakeful.facts.processes import Trigger
 from wakeful.facts.results import Result, Unresolved
@@ -56,7 +57,10 @@ class Running:
             self._go_on(process, lambda: self._coroutines.answer(process, _want(process), answered))
 
     def rebuild(self, process: Process) -> None:
-        """Run it again over its recorded answers and steps, and on from there."""
+        """Run it again over its recorded answers and steps, and on from there; or never again, where that ends every run."""
+        if self._poisonous(process):
+            self._quarantine(process)
+            return
         self._go_on(process, lambda: self._coroutines.rebuild(process, process.steps + process.ran))
 
     def step_ended(self, process: Process) -> None:
@@ -147,6 +151,16 @@ class Running:
         unresolved = Unresolved(says=f"No treatment could be completed: {why}", confidence=0.0, failure=why)
         self._conclude(process, unresolved, Trigger.FAIL)
 
+    def _poisonous(self, process: Process) -> bool:
+        return self._processes.crashes.of(process.event.id) >= self._host.settings.tries
+
+    def _quarantine(self, process: Process) -> None:
+        """Its code is not run again: it is completed as unresolved, and its event is debt, while the others go on."""
+        tries = self._processes.crashes.of(process.event.id)
+        why = f"the mind's process ended {tries} times while this event was being treated"
+        self._host.note(QUARANTINED, why, process.id, process.event.id)
+        self._conclude(process, Unresolved(says=f"Quarantined: {why}.", confidence=0.0, failure=why), Trigger.FAIL)
+
     # --- ends ---
 
     def _conclude(self, process: Process, result: Result, trigger: Trigger = Trigger.RESOLVE) -> None:
@@ -176,6 +190,9 @@ class Running:
             return
         if pending.safety == "effect":
             self._asking.answered(process, pending, NOTHING, IN_DOUBT)
+            return
+        if self._poisonous(process):
+            self._asking.answered(process, pending, NOTHING, QUARANTINED)
             return
         try:
             want = self._coroutines.rebuild(process, process.steps)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from wakeful.contracts.policy import Policy
+from wakeful.facts.crashes import Page
 from wakeful.facts.decisions import Decision
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
@@ -60,6 +61,10 @@ class Scheduler:
         self._agenda = Agenda(self.processes, self._step_ns)
         self._asking = Asking(host, self.processes, self._agenda, shelf)
         self._running = Running(host, self.processes, self._coroutines, self._asking, self._begin_child)
+
+    def mark_on(self, page: Page) -> None:
+        """Say on that page, from now on, whose treatment's code is running."""
+        self._coroutines.page = page
 
     # --- processes come ---
 
