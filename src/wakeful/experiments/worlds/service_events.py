@@ -41,8 +41,9 @@ class Variant(Fact, frozen=True):
     """One declared form of the world.
 
     ``noise``: the share of random events whose label is replaced by another one. ``hard``: in how many of a kind's four test
-    pairs (risk, planning) the harmless member lies ``below`` the load boundary in the same context. ``descriptor``: the
-    standard deviation of an identity's eight numbers. ``moves``: by how much an identity's first number moves its boundary.
+    pairs (all but memory) the harmless member stands in the same context as the other one; for risk and planning it then lies
+    ``below`` the load boundary. ``descriptor``: the standard deviation of an identity's eight numbers. ``moves``: by how much
+    an identity's first number moves its boundary.
     """
 
     name: str
@@ -182,10 +183,11 @@ class _Drawing:
         mild = (obstacle, beside, self._under(obstacle) if hard else None)
         return mild, (obstacle, {**quiet, "location": "route", "route": "blocking", "context": "task"}, None)
 
-    def _diagnosis(self, _hard: bool) -> _Contrast:
+    def _diagnosis(self, hard: bool) -> _Contrast:
         """A device that works, against the same one behaving abnormally during a task."""
         device, quiet = self._object("device"), self._quiet()
-        return (device, quiet, None), (device, {**quiet, "state": "abnormal", "context": "task"}, None)
+        during = {**quiet, "context": "task"}
+        return (device, during if hard else quiet, None), (device, {**during, "state": "abnormal"}, None)
 
     def _memory(self, _hard: bool) -> _Contrast:
         """An item where it was, against the same one unexpectedly moved."""
