@@ -49,15 +49,15 @@ class SqliteJournal:
         if not read_only:
             self._prepare()
             self._lock = FileLock(path)
-            reach("journal: file made")
         try:
+            reach("journal: file made")
             self._db = self._connect(read_only, full_sync)
             self._reading = Reading(self._db, path)
             self._last = _number(self._db, "SELECT coalesce(max(position), 0) FROM lines")
         except apsw.Error as error:
             self._release()
             raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
-        except JournalError:
+        except BaseException:  # Ctrl-C too: whoever catches it may open the file again
             self._release()
             raise
         self._boot = _boot_id()
