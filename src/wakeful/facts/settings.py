@@ -17,8 +17,8 @@ class MindSettings(Fact, frozen=True):
     reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the
     share of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
     ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
-    processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (a crash, or a
-    watchdog's kill) is quarantined: completed as unresolved, and debt.
+    processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
+    crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt.
     """
 
     slots: int = 1
