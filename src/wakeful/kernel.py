@@ -472,7 +472,7 @@ class Kernel:
             elif isinstance(line.record, TrainingAsked):
                 asked = line.record
             elif isinstance(line.record, Acted) and line.record.act == "rollback" and not line.record.refused:
-                card = accepted.get(line.record.version, card)
+                card, asked = accepted.get(line.record.version, card), None
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)

@@ -15,6 +15,8 @@ from wakeful.cli.mistakes import OneLine
 from wakeful.cli.new import new_group
 from wakeful.cli.operate import cancel_command, resume_command, suspend_command
 from wakeful.cli.reproduce import reproduce_command
+from wakeful.cli.revisit import revisit_command
+from wakeful.cli.rollback import rollback_command
 from wakeful.cli.run import run_command
 from wakeful.cli.simulate import simulate_command
 from wakeful.cli.stats import stats_command
@@ -54,6 +56,8 @@ for command in (
     stats_command,
     trust_command,
     learning_command,
+    rollback_command,
+    revisit_command,
     domains_command,
     treatments_command,
     export_command,

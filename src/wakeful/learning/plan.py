@@ -122,7 +122,8 @@ class Learning:
             if record.card.accepted:
                 self._base = record.card.version
         elif isinstance(record, Acted) and record.act == "rollback" and not record.refused:
-            self._base = record.version
+            # What was being trained went on from the version that is no longer wanted.
+            self._base, self._pending, self._frozen = record.version, None, ()
 
     def due(self, now_ns: int) -> TrainingAsked | None:
         """The training to ask for now, or None. At most one is under way. Asking changes nothing: applying does."""
