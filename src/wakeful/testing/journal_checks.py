@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from wakeful.contracts.journal import Journal, JournalError
-from wakeful.facts.decisions import Candidate, Decision, Gate
+from wakeful.facts.choices import Basis, Choice
 from wakeful.facts.events import Event
 from wakeful.facts.lines import Line, Noted
 from wakeful.facts.packs import Covered, Entry, Pack, expanded
@@ -68,10 +68,20 @@ def _packed(journal: Journal) -> None:
 
 def _burst() -> Covered:
     event = Event(id="e", kind="check", entity="journal", source="check", position=0, stamp=Stamp(source_ns=1))
-    gate = Gate(confidence=0.9, threshold=0.5, novelty=0.1, novelty_limit=0.9, trust=0.8, trust_limit=0.4)
-    candidates = (Candidate(treatment="memory", probability=0.9),)
-    decision = Decision(treatment="memory", mode="auto", confidence=0.9, candidates=candidates, reasons=("a check",), gate=gate)
-    return Covered(event=event, process=1, decision=decision)
+    basis = Basis(
+        treatment="memory",
+        model=1,
+        watermark=9,
+        treatments=("memory", "planning"),
+        labels=("none",),
+        threshold=0.5,
+        result_threshold=0.5,
+        novelty_limit=0.9,
+        trust_limit=0.4,
+        support=3,
+    )
+    choice = Choice(basis=basis, shares=(0.9, 0.1), prior=(1.0,), novelty=0.1, trust=0.8, rests_on=(7, 2))
+    return Covered(event=event, process=1, choice=choice)
 
 
 def _lines(start: int, count: int) -> tuple[Line, ...]:
