@@ -135,7 +135,7 @@ class Kernel:
         """A recorded result in its treatment's own type."""
         return self._scheduler.result(concluded)
 
-    def feed(self, inputs: Iterable[Input], now_ns: int, steps: int | None = None) -> Requests:
+    def feed(self, inputs: Iterable[Input], now_ns: int, steps: int | None = None, hold: bool = False) -> Requests:
         """Take inputs at ``now_ns`` and say what is to be done.
 
         What falls due up to ``now_ns`` (steps, limits, windows) is done first, in order of (time, rank, sequence number).
@@ -145,11 +145,14 @@ class Kernel:
             now_ns: kernel time; an earlier one than before counts as that.
             steps: do at most so many of the steps and limits that are due, so that a live driver hears of what comes between
                 two awaits of a treatment; the others stay due. None: all of them.
+            hold: run no treatment's code at this feed, so that what it admits can be durable before that; the next one lets go.
 
         Returns:
             Requests: to be committed as a whole before anything else of it is acted on.
         """
-        self._left = steps
+        self._left = 0 if hold else steps
+        if hold or self._scheduler.held_back:
+            self._scheduler.hold_back(hold)
         self._until(now_ns)
         self._now_ns = max(self._now_ns, now_ns)
         for each in inputs:

@@ -16,6 +16,8 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
+from wakeful.drivers.poison import CrashMark, marked, take_up
+from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation
@@ -62,6 +64,8 @@ class LiveDriver:
         source: the name under which events are offered; its positions go on over restarts.
         clock_ns: the time of day, read once: from there on kernel time follows the monotonic clock and never runs back.
         acts: where operators at another terminal hand in their acts; None: nowhere.
+        crash_mark: says after a crash whose treatment was running; None: nobody will know.
+        heart: beats for whoever supervises this process.
         closes_journal: the journal is let go of on exit, so that another may write it.
     """
 
@@ -75,6 +79,8 @@ class LiveDriver:
         clock_ns: Callable[[], int] = time.time_ns,
         acts: ActSpool | None = None,
         closes_journal: bool = False,
+        crash_mark: CrashMark | None = None,
+        heart: Heart | None = None,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
@@ -84,6 +90,9 @@ class LiveDriver:
         self._clock_ns = clock_ns
         self._acts = acts
         self._closes_journal = closes_journal
+        self._crash_mark = crash_mark
+        self._heart = heart if heart is not None else Heart()
+        self._careful = False
         self._acts_due_s = 0.0
         self._feeding: dict[object, asyncio.Future[Receipt]] = {}
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
@@ -97,6 +106,9 @@ class LiveDriver:
 
     async def __aenter__(self) -> LiveDriver:
         self._woken = asyncio.Event()
+        self._careful = take_up(self._crash_mark, self.journal) is not None
+        if self._crash_mark is not None:
+            self.kernel.mark_on(self._crash_mark.page)
         recovered = self.kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
         self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - time.monotonic_ns()
         await self._commit(recovered)
@@ -110,6 +122,7 @@ class LiveDriver:
         self._inbox.append((Begin(source=self._source, digest=digest), None))
         self._pump_task = asyncio.create_task(self._pump())
         self._woken.set()
+        self._heart.ready(self._says)
         return self
 
     async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -122,6 +135,9 @@ class LiveDriver:
         await asyncio.gather(*under_way, return_exceptions=True)
         self._trainer.close()
         self._commits.shutdown()
+        if self._crash_mark is not None:
+            self._crash_mark.close()
+        self._heart.stop(str(self._error or ""))
         if self._closes_journal:
             self.journal.close()
 
@@ -195,6 +211,7 @@ class LiveDriver:
     async def _turns(self) -> None:
         while True:
             await self._wait()
+            self._heart.beat()
             batch, self._inbox = self._inbox, []
             inputs = [each for each, _ in batch]
             inputs.extend(self._trainer.finished())
@@ -223,6 +240,8 @@ class LiveDriver:
             waits = [_TRAINING_POLL_S] if self._trainer.next_publication_ns() is not None else []
             if self._acts is not None:
                 waits.append(ACTS_POLL_S)
+            if self._heart.every_s is not None:
+                waits.append(self._heart.every_s / 2)
             if self._wake_ns is not None:
                 waits.append(max(0.0, (self._wake_ns - self._now_ns()) / 1e9))
             try:
@@ -235,6 +254,8 @@ class LiveDriver:
     async def _think(self, inputs: list[Input]) -> Requests:
         """Feed, then let treatments think for as long as a group lasts, hearing what comes at each of their awaits."""
         began_s = time.monotonic()
+        if self._careful and inputs:  # the run before crashed: an event is durable before its treatment can end this run too
+            return self.kernel.feed(inputs, self._now_ns(), hold=True)
         requests = self.kernel.feed(inputs, self._now_ns(), STEPS_PER_TURN)
         self._wake_ns = requests.wake_ns
         while self._due() and not self._inbox and time.monotonic() - began_s < GROUP_S:
@@ -242,6 +263,10 @@ class LiveDriver:
             requests = requests.then(self.kernel.feed((), self._now_ns(), STEPS_PER_TURN))
             self._wake_ns = requests.wake_ns
         return requests
+
+    def _says(self) -> str:
+        counts = self.kernel.counts
+        return f"{counts.admitted} admitted, {counts.refused} refused, {self.kernel.runnable} at work or ready"
 
     def _due(self) -> bool:
         """Whether a step can be done at once."""
@@ -304,7 +329,7 @@ class LiveDriver:
         reach("acting: call")
         try:
             async with asyncio.timeout(left_s):
-                answer = await make(call, self._reasoner)
+                answer = await make(marked(call, self._crash_mark), self._reasoner)
             reach("acting: call made")
         except TimeoutError:
             answer = Answer(process=call.process, seq=call.seq, error="expired")

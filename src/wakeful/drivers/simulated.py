@@ -15,6 +15,8 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
+from wakeful.drivers.poison import CrashMark, marked, take_up
+from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation, Undecodable
@@ -48,6 +50,8 @@ class SimulatedDriver:
         learner: trains off the kernel's thread; published at the instant that the training declared.
         pace: called with the seconds of source time since the last item, before each one (for ``--speed``).
         acts: where operators at another terminal hand in their acts; None: nowhere.
+        crash_mark: says after a crash whose treatment was running; None: nobody will know.
+        heart: beats for whoever supervises this process.
     """
 
     def __init__(
@@ -58,6 +62,8 @@ class SimulatedDriver:
         learner: Learner,
         pace: Pace | None = None,
         acts: ActSpool | None = None,
+        crash_mark: CrashMark | None = None,
+        heart: Heart | None = None,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
@@ -66,17 +72,23 @@ class SimulatedDriver:
         self._pace = pace
         self._acts = acts
         self._acts_due_s = 0.0
+        self._crash_mark = crash_mark
+        self._heart = heart if heart is not None else Heart()
         self._loop = asyncio.new_event_loop()
         self._answers: list[tuple[int, int, int, Answer]] = []
         self._lines: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
         self._wake_ns: int | None = None
+        self._careful = take_up(crash_mark, journal) is not None
+        if crash_mark is not None:
+            kernel.mark_on(crash_mark.page)
         recovered = kernel.recover(journal.entries(), journal.state(), JournalBlobs(journal))
         self._lines.extend(recovered.lines)
         self._commit()
         reach("recovery: committed")
         self._take(msgspec.structs.replace(recovered, lines=()))
         self._take_acts()
+        self._heart.ready(self._says)
 
     def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]]) -> Iterator[int]:
         """Read a source to its end; yields the number of items done so far, after each.
@@ -102,7 +114,7 @@ class SimulatedDriver:
         source_ns: int | None = None
         pending = 0
         try:
-            for item in items(after):
+            for item in self._heart.over(items(after)):
                 position += 1
                 at_ns = _source_ns(item)
                 if offset_ns is None:
@@ -141,6 +153,10 @@ class SimulatedDriver:
         """Bring the kernel to ``at_ns``, feed, let what can run run to its end, commit; returns the lines that this gave."""
         before = self.journal.last
         self._advance(max(self.kernel.now_ns, at_ns))
+        if self._careful:  # the run before crashed: an event is durable before its treatment can end this run too
+            self._take(self.kernel.feed(inputs, self.kernel.now_ns, hold=True))
+            self._commit()
+            inputs = []
         self._feed(inputs, self.kernel.now_ns)
         self._settle()
         self._commit()
@@ -151,6 +167,13 @@ class SimulatedDriver:
         self._commit()
         self._trainer.close()
         self._loop.close()
+        if self._crash_mark is not None:
+            self._crash_mark.close()
+        self._heart.stop()
+
+    def _says(self) -> str:
+        counts = self.kernel.counts
+        return f"{counts.admitted} admitted, {counts.refused} refused, {self.kernel.runnable} at work or ready"
 
     # --- time ---
 
@@ -195,6 +218,7 @@ class SimulatedDriver:
         """Wait as the source did, hearing operators meanwhile."""
         while self._pace is not None and seconds > 0:
             self._pace(min(seconds, ACTS_POLL_S))
+            self._heart.beat()
             seconds -= ACTS_POLL_S
             self._take_acts()
 
@@ -215,6 +239,7 @@ class SimulatedDriver:
     # --- the kernel's requests ---
 
     def _feed(self, inputs: list[Input], now_ns: int) -> None:
+        self._heart.beat()
         self._take(self.kernel.feed(inputs, now_ns))
 
     def _take(self, requests: Requests) -> None:
@@ -231,7 +256,8 @@ class SimulatedDriver:
 
     def _call(self, call: Call) -> None:
         reach("acting: call")
-        answer = self._loop.run_until_complete(make(call, self._reasoner))
+        answer = self._loop.run_until_complete(make(marked(call, self._crash_mark), self._reasoner))
+        self._heart.beat()
         reach("acting: call made")
         latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None else 0
         due_ns = min(call.asked_ns + latency_ns, call.expires_ns)

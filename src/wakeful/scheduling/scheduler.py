@@ -56,6 +56,7 @@ class Scheduler:
         self._slots = host.settings.slots
         self._step_ns = to_ns(host.settings.step_s)
         self.shelf = shelf
+        self.held_back = False
         self.processes = ProcessSet(policy, host.event, host.settings.reasoner_slots)
         self._coroutines = Coroutines(treatments.get, spec, options)
         self._agenda = Agenda(self.processes, self._step_ns)
@@ -65,6 +66,13 @@ class Scheduler:
     def mark_on(self, page: Page) -> None:
         """Say on that page, from now on, whose treatment's code is running."""
         self._coroutines.page = page
+
+    def hold_back(self, hold: bool) -> None:
+        """Give nobody a slot while it holds; letting go gives them."""
+        let_go = self.held_back and not hold
+        self.held_back = hold
+        if let_go:
+            self._settle()
 
     # --- processes come ---
 
@@ -100,7 +108,7 @@ class Scheduler:
 
     def next_due_ns(self) -> int | None:
         """When the next step ends or the next limit passes."""
-        return self._agenda.next_ns()
+        return self._host.now_ns if self.held_back and self.processes.runnable else self._agenda.next_ns()
 
     def run_due(self) -> None:
         """Do the first thing that is due: end one step, or let one limit pass."""
@@ -118,7 +126,7 @@ class Scheduler:
     def _settle(self) -> None:
         """Give the slots to whom the policy picks, until nobody needs to move; then let the holders' steps run."""
         self._asking.ask_the_reasoner()
-        if self._wait_for_tick():
+        if self.held_back or self._wait_for_tick():
             return
         while True:
             running = [each for each in self.processes.active if not self.processes[each].held]
