@@ -22,6 +22,8 @@ from wakeful.deliberation import REASONERS, SettingsError, from_environment
 from wakeful.deliberation import make as make_reasoner
 from wakeful.deliberation.budget import Spent
 from wakeful.drivers.assembly import assemble
+from wakeful.drivers.poison import CrashMark
+from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.facts.asking import Kind, Reply
 from wakeful.facts.events import Draft, Observation
@@ -159,7 +161,8 @@ def _drive(
     kernel, learner = assemble(source.domain, settings)
     pace = (lambda seconds: stop.pause(seconds / speed)) if speed else None
     try:
-        driver = SimulatedDriver(kernel, journal, reasoner, learner, pace, ActSpool(journal.path))
+        beside = (ActSpool(journal.path), CrashMark(journal.path), Heart.from_environment())
+        driver = SimulatedDriver(kernel, journal, reasoner, learner, pace, *beside)
     except msgspec.DecodeError as error:
         raise JournalError(
             f"{journal.path} is damaged: it cannot be recovered from ({error}); restore it from a backup, or begin a new one"

@@ -16,6 +16,8 @@ from wakeful.contracts.reasoner import Reasoner
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import LiveDriver, Receipt
+from wakeful.drivers.poison import CrashMark
+from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.facts.events import Context, Criticality, Draft
 from wakeful.facts.evidence import Evidence, Outcome
@@ -66,7 +68,8 @@ class Mind:
         self.journal: Journal = MemoryJournal() if journal is None else open_journal(Path(journal))
         thinks = reasoner if reasoner is not None else GuidelineReasoner(kernel.domain.spec)
         acts = None if journal is None else ActSpool(Path(journal))
-        self._driver = SimulatedDriver(kernel, self.journal, thinks, learner, acts=acts)
+        mark = None if journal is None else CrashMark(Path(journal))
+        self._driver = SimulatedDriver(kernel, self.journal, thinks, learner, acts=acts, crash_mark=mark)
         self._clock_ns = clock_ns
         self._position = self._driver.begin(_SOURCE, uuid4().hex)
         self._concluded: dict[str, Concluded] = {}
@@ -192,4 +195,6 @@ def open_live(
     kept: Journal = MemoryJournal() if journal is None else open_journal(Path(journal))
     thinks = reasoner if reasoner is not None else GuidelineReasoner(kernel.domain.spec)
     acts = None if journal is None else ActSpool(Path(journal))
-    return LiveDriver(kernel, kept, thinks, learner, acts=acts, closes_journal=True)
+    mark = None if journal is None else CrashMark(Path(journal))
+    heart = Heart.from_environment()
+    return LiveDriver(kernel, kept, thinks, learner, acts=acts, closes_journal=True, crash_mark=mark, heart=heart)

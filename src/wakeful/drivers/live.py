@@ -16,7 +16,7 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
-from wakeful.drivers.poison import CrashMark, marked, take_up
+from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
@@ -92,7 +92,7 @@ class LiveDriver:
         self._closes_journal = closes_journal
         self._crash_mark = crash_mark
         self._heart = heart if heart is not None else Heart()
-        self._careful = False
+        self._careful = 0
         self._acts_due_s = 0.0
         self._feeding: dict[object, asyncio.Future[Receipt]] = {}
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
@@ -106,7 +106,7 @@ class LiveDriver:
 
     async def __aenter__(self) -> LiveDriver:
         self._woken = asyncio.Event()
-        self._careful = take_up(self._crash_mark, self.journal) is not None
+        self._careful = CAREFUL_INPUTS if take_up(self._crash_mark, self.journal) is not None else 0
         if self._crash_mark is not None:
             self.kernel.mark_on(self._crash_mark.page)
         recovered = self.kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
@@ -254,8 +254,10 @@ class LiveDriver:
     async def _think(self, inputs: list[Input]) -> Requests:
         """Feed, then let treatments think for as long as a group lasts, hearing what comes at each of their awaits."""
         began_s = time.monotonic()
-        if self._careful and inputs:  # the run before crashed: an event is durable before its treatment can end this run too
-            return self.kernel.feed(inputs, self._now_ns(), hold=True)
+        if self._careful > 0 and inputs:  # the run before crashed: an event is durable before its treatment can end this run too
+            self._careful -= len(inputs)
+            let_go = self.kernel.feed((), self._now_ns(), STEPS_PER_TURN)
+            return let_go.then(self.kernel.feed(inputs, self._now_ns(), hold=True))
         requests = self.kernel.feed(inputs, self._now_ns(), STEPS_PER_TURN)
         self._wake_ns = requests.wake_ns
         while self._due() and not self._inbox and time.monotonic() - began_s < GROUP_S:

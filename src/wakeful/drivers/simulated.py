@@ -15,7 +15,7 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
-from wakeful.drivers.poison import CrashMark, marked, take_up
+from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
@@ -79,7 +79,7 @@ class SimulatedDriver:
         self._lines: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
         self._wake_ns: int | None = None
-        self._careful = take_up(crash_mark, journal) is not None
+        self._careful = CAREFUL_INPUTS if take_up(crash_mark, journal) is not None else 0
         if crash_mark is not None:
             kernel.mark_on(crash_mark.page)
         recovered = kernel.recover(journal.entries(), journal.state(), JournalBlobs(journal))
@@ -153,9 +153,10 @@ class SimulatedDriver:
         """Bring the kernel to ``at_ns``, feed, let what can run run to its end, commit; returns the lines that this gave."""
         before = self.journal.last
         self._advance(max(self.kernel.now_ns, at_ns))
-        if self._careful:  # the run before crashed: an event is durable before its treatment can end this run too
+        if self._careful > 0:  # the run before crashed: an event is durable before its treatment can end this run too
             self._take(self.kernel.feed(inputs, self.kernel.now_ns, hold=True))
             self._commit()
+            self._careful -= 1
             inputs = []
         self._feed(inputs, self.kernel.now_ns)
         self._settle()
