@@ -17,6 +17,9 @@ from wakeful.facts.crashes import CRASHED, MARKED, Page, mark
 from wakeful.facts.inputs import Call, Outside
 from wakeful.facts.lines import Line, Noted
 
+#: After a crash so many inputs are taken with care: each is durable before its treatment runs, so that the next crash has a name.
+CAREFUL_INPUTS = 1_000
+
 _RUN = slice(MARKED, MARKED + 16)
 _BOOT = slice(_RUN.stop, _RUN.stop + 36)
 _BYTES = _BOOT.stop
