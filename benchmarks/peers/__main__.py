@@ -137,7 +137,8 @@ def main(words: list[str] | None = None) -> int:
             for place, (system, variant) in enumerate(chosen):
                 store = Path(folder, f"store-{turn}-{place}")
                 workload = workloads[max(1, round(given.events * SYSTEMS[system].share))]
-                runs[system, variant].append(child(system, variant, workload, store, load))
+                offered = msgspec.structs.replace(load, window=SYSTEMS[system].window)
+                runs[system, variant].append(child(system, variant, workload, store, offered))
     rows = [row_of(system, variant, found) for (system, variant), found in runs.items()]
     print(json.dumps(rows) if given.json else table(rows))
     return 0 if all(row["right"] for row in rows) else 1

@@ -22,6 +22,8 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
     needs: tuple[str, ...] = ()
     share: float = 1.0
     """Of the workload's events that this system is given: slow ones get fewer, and CPU for each event is what counts."""
+    window: int = 256
+    """How many messages it takes at once: few where each takes milliseconds, so that none waits long for the others."""
 
     def make(self, variant: str, run: Run) -> System:
         """The system, ready to run."""
@@ -31,12 +33,19 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def missing(self) -> str:
         """What would have to be installed."""
-        return ", ".join(name for name in self.needs if find_spec(name) is None)
+        return ", ".join(name for name in self.needs if not _found(name))
 
     @property
     def user_lines(self) -> int:
         """Lines of code in the adapter that are neither blank, comment nor docstring."""
         return code_lines(Path(__file__).with_name(f"{self.module}.py").read_text())
+
+
+def _found(name: str) -> bool:
+    try:
+        return find_spec(name) is not None
+    except ModuleNotFoundError:
+        return False
 
 
 def code_lines(text: str) -> int:
@@ -53,4 +62,16 @@ def code_lines(text: str) -> int:
 SYSTEMS: dict[str, Entry] = {
     "wakeful": Entry(module="of_wakeful", name="Wakeful", variants=("stream",), durable=True),
     "floor": Entry(module="of_floor", name="Floor", variants=("",), durable=True),
+    "dbos": Entry(module="of_dbos", name="Dbos", variants=("sqlite",), durable=True, needs=("dbos",), share=0.1, window=32),
+    "langgraph": Entry(
+        module="of_langgraph",
+        name="LangGraph",
+        variants=("exit", "async", "sync"),
+        durable=True,
+        needs=("langgraph", "langgraph.checkpoint.sqlite"),
+        share=0.1,
+        window=32,
+    ),
+    "py_trees": Entry(module="of_py_trees", name="PyTrees", variants=("",), durable=False, needs=("py_trees",)),
+    "asyncio": Entry(module="of_asyncio", name="Asyncio", variants=("",), durable=False),
 }
