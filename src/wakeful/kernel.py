@@ -491,6 +491,7 @@ class Kernel:
         reach("recovery: rebuilt")
         if asked is not None:
             self._trainings.append(self._training(asked))
+        self._learn()  # there may be experience that was imported at rest
         return self._requests()
 
     def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:

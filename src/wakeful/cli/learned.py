@@ -99,6 +99,7 @@ def learning_command(journal: Path | None, as_json: bool) -> None:
         print_json(
             {
                 "experiences": len(read.gained),
+                "imported": len(read.imported),
                 "models": [{"at_ns": at_ns, "card": record.card} for at_ns, record in read.published],
             }
         )

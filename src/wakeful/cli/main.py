@@ -8,6 +8,7 @@ import click
 
 from wakeful.cli.audit import audit_command
 from wakeful.cli.debt import debt_command
+from wakeful.cli.experience import experience_group
 from wakeful.cli.export import export_command
 from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
@@ -61,6 +62,7 @@ for command in (
     domains_command,
     treatments_command,
     export_command,
+    experience_group,
     new_group,
     simulate_command,
     reproduce_command,

@@ -191,6 +191,34 @@ class Trusted(Record, frozen=True):
     experience: int = 0
 
 
+class Certified(Record, frozen=True):
+    """A treatment may be automatic for scores from ``level`` on, by one model version: its risk is held under ``alpha``.
+
+    ``number`` counts the treatment's certificates; this one is wrong with probability at most ``delta``, which is what the
+    user's allows for it. ``events`` is the evidence, ``drawn`` of it with a known outcome, ``errors`` wrong at that level.
+    """
+
+    treatment: str
+    model: int
+    number: int
+    level: float
+    alpha: float
+    delta: float
+    bound: float
+    events: int
+    drawn: int
+    errors: int
+
+
+class Revoked(Record, frozen=True):
+    """A treatment's certificate ended: it is not automatic until it is certified again."""
+
+    treatment: str
+    model: int
+    number: int
+    why: str
+
+
 class Reopened(Record, frozen=True):
     """A completed process's event is thought about again, in a new process linked to the old."""
 
@@ -223,10 +251,14 @@ class Imported(Record, frozen=True):
     event: Event
     origin: str
     origin_id: int
+    domain: str = ""
 
 
 #: What a Noted says of a stretch, ending then, in which its source was not recording.
 GAP = "recording gap"
+
+#: What a Noted says of a call that was under way when its mind ended, and is made again: it is charged again too.
+RESUMPTION = "resumption"
 
 
 class Noted(Record, frozen=True):
@@ -257,6 +289,8 @@ AnyRecord = (
     | TrainingAsked
     | Published
     | Trusted
+    | Certified
+    | Revoked
     | Reopened
     | Acted
     | Imported

@@ -20,6 +20,7 @@ from wakeful.facts.lines import (
     Duplicate,
     Finished,
     Gained,
+    Imported,
     Judged,
     Line,
     Moved,
@@ -112,6 +113,8 @@ class History(msgspec.Struct):
     outcomes: dict[str, Outcome] = {}
     """What the world showed, by id, in the order of arrival."""
     gained: dict[int, Gained] = {}
+    imported: dict[int, Imported] = {}
+    """Other robots' experiences, by their id in this journal."""
     reopened: dict[int, Reopened] = {}
     """By the new process's id."""
     published: list[tuple[int, Published]] = []
@@ -220,6 +223,8 @@ class History(msgspec.Struct):
         match record:
             case Gained():
                 self.gained[record.experience.id] = record
+            case Imported():
+                self.imported[record.experience.id] = record
             case Reopened():
                 self.reopened[record.process] = record
             case Published():

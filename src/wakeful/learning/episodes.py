@@ -13,7 +13,7 @@ from wakeful.contracts.learner import Vector
 from wakeful.facts.asking import Episode, Query
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Verdict
-from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Gained, Judged
+from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Gained, Imported, Judged
 
 Encode = Callable[[Event], Vector]
 
@@ -64,7 +64,7 @@ class Episodes:
         return len(self._entries)
 
     def apply(self, record: AnyRecord) -> None:
-        """Take up a record; all but Admitted, Created, Concluded, Judged and Gained are passed over.
+        """Take up a record; all but Admitted, Created, Concluded, Judged, Gained and Imported are passed over.
 
         An event's conclusion is that of its own processes, not of their children.
         """
@@ -84,6 +84,8 @@ class Episodes:
             if entry is not None:
                 entry.experience = record.experience.id
                 self._experienced[self._at[record.experience.event]] = True
+        elif isinstance(record, Imported):
+            self._import(record)
 
     def search(self, query: Query, now_ns: int) -> tuple[Episode, ...]:
         """Concluded episodes of the query's entity and kind (any where empty), the likest first, without the query's own event.
@@ -145,6 +147,20 @@ class Episodes:
         self._at[event.id] = index
         self._admitted += 1
         self._entries.append(_Entry(event=event, order=self._admitted))
+
+    def _import(self, record: Imported) -> None:
+        """Another robot's event is remembered with what came of it; an event that is remembered already stays as it is."""
+        if record.event.id in self._at:
+            return
+        self._admit(record.event)
+        entry, gained = self._entries[-1], record.experience
+        # Another robot's "box 1" is not this one's.
+        whose = record.event.robot or gained.robot or record.origin
+        entry.event = msgspec.structs.replace(record.event, entity=f"{whose}:{record.event.entity}")
+        self._entities[len(self._entries) - 1] = self._coded(entry.event.entity)
+        entry.treatment, entry.predicted, entry.outcome = gained.treatment, gained.predicted, gained.outcome
+        entry.verdict, entry.experience = gained.verdict.value, gained.id
+        self._experienced[len(self._entries) - 1] = self._concluded[len(self._entries) - 1] = True
 
     def _conclude(self, record: Concluded) -> None:
         if record.process in self._children:

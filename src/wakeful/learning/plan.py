@@ -12,7 +12,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.inputs import TrainingJob
-from wakeful.facts.lines import Acted, AnyRecord, Gained, Published, TrainingAsked
+from wakeful.facts.lines import Acted, AnyRecord, Gained, Imported, Published, TrainingAsked
 from wakeful.facts.time import to_ns
 from wakeful.learning.replay import Row, Sides, refuted, replay
 
@@ -98,7 +98,7 @@ class Learning:
         return tuple(self._rows.values())
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
-        """Take up a record; all but Gained, TrainingAsked, Published and a rollback are passed over.
+        """Take up a record; all but Gained, Imported, TrainingAsked, Published and a rollback are passed over.
 
         Args:
             record: the record, live or in recovery.
@@ -111,6 +111,9 @@ class Learning:
             if event is None or event.id != record.experience.event:
                 raise ValueError(f"experience {record.experience.id} needs its event {record.experience.event}")
             self._gain(record.experience, event)
+        elif isinstance(record, Imported):
+            # It is no process of this journal: its row has a place of its own.
+            self._gain(msgspec.structs.replace(record.experience, process=-record.experience.id), record.event)
         elif isinstance(record, TrainingAsked):
             self._pending = record
             self._frozen = tuple(self._chosen(record.watermark))

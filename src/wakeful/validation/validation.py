@@ -15,6 +15,7 @@ from wakeful.facts.lines import (
     Created,
     Finished,
     Gained,
+    Imported,
     Judged,
     Moved,
     Noted,
@@ -101,7 +102,7 @@ class Validation:
                     self._foreign += outcome.label not in self._spec.labels
             case Judged():
                 self._decide(record)
-            case Gained(experience=experience):
+            case Gained(experience=experience) | Imported(experience=experience):
                 self._next_experience = max(self._next_experience, experience.id + 1)
             case Finished(source=source):
                 self._ended_ns[source] = at_ns

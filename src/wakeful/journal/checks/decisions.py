@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wakeful.facts.decisions import Decision, Gate
-from wakeful.facts.lines import Concluded, Decided, Gained, Line, Trusted
+from wakeful.facts.lines import Concluded, Decided, Gained, Imported, Line, Trusted
 from wakeful.journal.checks.check import Check
 
 
@@ -53,7 +53,7 @@ class Trust(Check):
     def see(self, line: Line) -> None:
         """Follow each treatment's trust."""
         record = line.record
-        if isinstance(record, Gained):
+        if isinstance(record, Gained | Imported):
             self._experiences += 1
         elif isinstance(record, Trusted):
             self.checked += 1

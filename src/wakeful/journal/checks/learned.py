@@ -6,7 +6,7 @@ from collections.abc import Callable
 from hashlib import blake2b
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import Decided, Gained, Line, Published, TrainingAsked
+from wakeful.facts.lines import Decided, Gained, Imported, Line, Published, TrainingAsked
 from wakeful.journal.checks.check import Check
 
 
@@ -57,7 +57,7 @@ class Lineage(Check):
         """Follow a model from its training to the decisions it makes."""
         record = line.record
         match record:
-            case Gained():
+            case Gained() | Imported():
                 self._experiences += 1
             case TrainingAsked():
                 self.checked += 1

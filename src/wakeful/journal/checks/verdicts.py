@@ -7,7 +7,7 @@ import msgspec
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, Verdict
-from wakeful.facts.lines import Admitted, Concluded, Gained, Judged, Line, Witnessed
+from wakeful.facts.lines import Admitted, Concluded, Gained, Imported, Judged, Line, Witnessed
 from wakeful.journal.checks.check import Check
 
 
@@ -40,6 +40,7 @@ class Verdicts(Check):
         self._last: dict[int, Judged] = {}
         self._quiet: str | None = None
         self._experiences = 0
+        self._imported: set[tuple[str, int]] = set()
 
     def see(self, line: Line) -> None:
         """Follow a result to its verdict and its experience."""
@@ -60,6 +61,14 @@ class Verdicts(Check):
                 wrong = self._wrong_experience(record.experience)
                 if wrong:
                     self.offend(line, f"experience {record.experience.id} {wrong}")
+            case Imported():
+                self.checked += 1
+                self._experiences += 1
+                if record.experience.id != self._experiences:
+                    self.offend(line, f"imported experience {record.experience.id} follows {self._experiences - 1}")
+                elif (record.origin, record.origin_id) in self._imported:
+                    self.offend(line, f"experience {record.origin_id} of {record.origin} was imported before")
+                self._imported.add((record.origin, record.origin_id))
             case _:
                 pass
 
