@@ -23,6 +23,7 @@ from wakeful.cli.simulate import simulate_command
 from wakeful.cli.stats import stats_command
 from wakeful.cli.trace import timeline_command, trace_command
 from wakeful.cli.vocabulary import domains_command, treatments_command
+from wakeful.cli.watch import watch_command
 from wakeful.cli.web import web_command
 from wakeful.cli.why import why_command
 from wakeful.version import __version__
@@ -66,6 +67,7 @@ for command in (
     new_group,
     simulate_command,
     reproduce_command,
+    watch_command,
     web_command,
 ):
     main.add_command(command)
