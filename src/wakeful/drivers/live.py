@@ -67,6 +67,8 @@ class LiveDriver:
         crash_mark: says after a crash whose treatment was running; None: nobody will know.
         heart: beats for whoever supervises this process.
         closes_journal: the journal is let go of on exit, so that another may write it.
+        group_s: inputs that come within so many seconds of one another are committed together.
+        monotonic_ns: the clock that kernel time follows; a load generator may bring its own.
     """
 
     def __init__(
@@ -81,6 +83,8 @@ class LiveDriver:
         closes_journal: bool = False,
         crash_mark: CrashMark | None = None,
         heart: Heart | None = None,
+        group_s: float = GROUP_S,
+        monotonic_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
@@ -90,6 +94,8 @@ class LiveDriver:
         self._clock_ns = clock_ns
         self._acts = acts
         self._closes_journal = closes_journal
+        self._group_s = group_s
+        self._monotonic_ns = monotonic_ns
         self._crash_mark = crash_mark
         self._heart = heart if heart is not None else Heart()
         self._careful = 0
@@ -110,7 +116,7 @@ class LiveDriver:
         if self._crash_mark is not None:
             self.kernel.mark_on(self._crash_mark.page)
         recovered = self.kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
-        self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - time.monotonic_ns()
+        self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - self._monotonic_ns()
         await self._commit(recovered)
         reach("recovery: committed")
         await self._act(recovered)
@@ -186,7 +192,7 @@ class LiveDriver:
     # --- the pump: feed, commit, act ---
 
     def _now_ns(self) -> int:
-        return self._start_ns + time.monotonic_ns()
+        return self._start_ns + self._monotonic_ns()
 
     async def _pump(self) -> None:
         try:
@@ -249,7 +255,7 @@ class LiveDriver:
             except TimeoutError:
                 return
         if self._inbox and not self._closing:
-            await asyncio.sleep(GROUP_S)
+            await asyncio.sleep(self._group_s)
 
     async def _think(self, inputs: list[Input]) -> Requests:
         """Feed, then let treatments think for as long as a group lasts, hearing what comes at each of their awaits."""
@@ -260,7 +266,7 @@ class LiveDriver:
             return let_go.then(self.kernel.feed(inputs, self._now_ns(), hold=True))
         requests = self.kernel.feed(inputs, self._now_ns(), STEPS_PER_TURN)
         self._wake_ns = requests.wake_ns
-        while self._due() and not self._inbox and time.monotonic() - began_s < GROUP_S:
+        while self._due() and not self._inbox and time.monotonic() - began_s < self._group_s:
             await asyncio.sleep(0)
             requests = requests.then(self.kernel.feed((), self._now_ns(), STEPS_PER_TURN))
             self._wake_ns = requests.wake_ns
