@@ -22,13 +22,13 @@ from wakeful.facts.lines import (
     Decided,
     Duplicate,
     Judged,
-    Opened,
     Published,
     Refused,
     TrainingAsked,
 )
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import MemoryJournal
+from wakeful.journal.export import exported
 
 ITEMS = 4000
 
@@ -63,7 +63,7 @@ def run(kills: Iterable[int] = (), journal: MemoryJournal | None = None) -> Memo
 
 def records(journal: MemoryJournal) -> list[tuple[int, AnyRecord]]:
     """Everything but the records of going on."""
-    return [(x.at_ns, x.record) for x in journal.lines() if not (isinstance(x.record, Opened) and x.record.resumed_at)]
+    return [(x.at_ns, x.record) for x in exported(journal, stable=True)]
 
 
 @pytest.fixture(scope="module")

@@ -20,14 +20,13 @@ from wakeful.contracts.journal import JournalError
 from wakeful.contracts.reasoner import Reasoner, ReasonerError
 from wakeful.deliberation import REASONERS, SettingsError, from_environment
 from wakeful.deliberation import make as make_reasoner
-from wakeful.deliberation.budget import Spent
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.poison import CrashMark
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.simulated import SimulatedDriver
-from wakeful.facts.asking import Kind, Reply
+from wakeful.drivers.spending import KINDS, spent
 from wakeful.facts.events import Draft, Observation
-from wakeful.facts.lines import Answered, Opened
+from wakeful.facts.lines import Opened
 from wakeful.facts.settings import MindSettings
 from wakeful.journal.acts import ActSpool
 from wakeful.journal.sqlite import SqliteJournal, open_journal
@@ -195,28 +194,13 @@ def _check_domain(journal: SqliteJournal, source: Source, path: Path) -> None:
 
 def _reasoner(name: str, source: Source, journal: SqliteJournal) -> Reasoner:
     """The reasoner, its budget charged with what earlier runs of the journal spent."""
-    answers = [line.record for line in journal.lines_of(kinds=("answered",)) if isinstance(line.record, Answered)]
-    answers = [answer for answer in answers if answer.calls and _was_asked(name, answer)]
-    spent = Spent(sum(answer.calls for answer in answers), sum(answer.cost_usd for answer in answers))
     registry = Registry()
     meanings = {treatment: registry.get(treatment).says for treatment in registry.names()}
     try:
-        return make_reasoner(name, source.domain.spec, from_environment(os.environ), meanings, spent)
+        so_far = spent(journal.lines_of(kinds=KINDS), name)
+        return make_reasoner(name, source.domain.spec, from_environment(os.environ), meanings, so_far)
     except (SettingsError, ReasonerError) as error:
         raise Mistake(str(error)) from error
-
-
-def _was_asked(name: str, answer: Answered) -> bool:
-    """Whether that reasoner was paid for the answer; one that failed is charged to whoever is asked now."""
-    if answer.error or answer.kind is not Kind.DELIBERATE:
-        return bool(answer.error)
-    try:
-        return msgspec.json.decode(answer.value, type=Reply).reasoner.startswith(name)
-    except msgspec.DecodeError as error:
-        raise JournalError(
-            f"request {answer.seq} of process {answer.process} has an answer that is none ({error}): the journal is damaged; "
-            "restore it from a backup, or begin a new one with --journal"
-        ) from error
 
 
 def _for_robot(items: Callable[[int], Iterable[Item]], robot: str) -> Callable[[int], Iterable[Item]]:

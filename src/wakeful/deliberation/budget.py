@@ -17,10 +17,14 @@ class OverBudget(ReasonerError):
 
 
 class Spent(msgspec.Struct, frozen=True):
-    """What a budget has spent so far; calls under way count at their reservation."""
+    """What a budget has spent so far; calls under way count at their reservation.
+
+    ``in_doubt``: answers that were asked for and not heard to their end, whose calls may have been made and paid.
+    """
 
     calls: int
     usd: float
+    in_doubt: int = 0
 
 
 class Budget:

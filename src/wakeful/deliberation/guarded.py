@@ -7,7 +7,7 @@ import msgspec
 from wakeful.contracts.reasoner import Reasoner, ReasonerError
 from wakeful.deliberation.cache import ReplyCache, digest
 from wakeful.deliberation.deadline import Deadline
-from wakeful.deliberation.permit import Permit
+from wakeful.deliberation.permit import Intent, Permit
 from wakeful.deliberation.replies import Inadmissible, check
 from wakeful.facts.asking import Question, Reply
 
@@ -55,11 +55,20 @@ class GuardedReasoner:
                 Deadline(self._deadline_s) as deadline,
                 self._permit.call(self._worst_usd, deadline, faults=(ReasonerError,)) as intent,
             ):
-                reply = await self._inner.answer(question)
-                intent.settle(reply.cost_usd)
+                reply = await self._asked(question, intent)
         except TimeoutError:
             raise ReasonerError(f"no answer from {self.name} within {self._deadline_s:g} s") from None
         reply = check(reply, question)
         if self._cache:
             self._cache.put(name, reply)
         return reply
+
+    async def _asked(self, question: Question, intent: Intent) -> Reply:
+        """The inner reasoner's answer; an error tells of the one call that was charged for it."""
+        try:
+            reply = await self._inner.answer(question)
+        except ReasonerError as error:
+            error.calls, error.cost_usd = 1, intent.cost_usd
+            raise
+        intent.settle(reply.cost_usd)
+        return msgspec.structs.replace(reply, calls=1)

@@ -17,6 +17,9 @@ from wakeful.deliberation.scripted import ScriptedReasoner
 from wakeful.deliberation.settings import ReasonerSettings, SettingsError
 from wakeful.facts.domain import DomainSpec
 
+#: A token is at least one byte, a character at most four.
+_UTF8_BYTES = 4
+
 _NO_KEY = "no-key"  # the SDK refuses an empty one, and a local server reads none
 
 Factory = Callable[[DomainSpec, ReasonerSettings, Mapping[str, str], Spent], Reasoner]
@@ -52,10 +55,18 @@ def make(
 def permit(settings: ReasonerSettings, spent: Spent) -> Permit:
     """The gate that the settings describe, on this machine's monotonic clock."""
     return Permit(
-        Budget(settings.max_usd, settings.max_calls, spent),
+        Budget(settings.max_usd, settings.max_calls, _at_worst(settings, spent)),
         RateLimit(settings.calls_per_minute, time.monotonic),
         Breaker(settings.breaker_failures, settings.breaker_pause_s, time.monotonic),
     )
+
+
+def _at_worst(settings: ReasonerSettings, spent: Spent) -> Spent:
+    """What was spent at most: an answer in doubt may have taken all its tries, and those of its repair, at the longest prompt."""
+    calls = spent.in_doubt * 2 * settings.tries
+    tokens_usd = _UTF8_BYTES * settings.max_prompt_chars * settings.price_in_usd_per_m
+    call_usd = (tokens_usd + settings.max_answer_tokens * settings.price_out_usd_per_m) / 1_000_000
+    return Spent(spent.calls + calls, spent.usd + calls * call_usd)
 
 
 def _guidelines(spec: DomainSpec, settings: ReasonerSettings, _meanings: Mapping[str, str], _spent: Spent) -> Reasoner:

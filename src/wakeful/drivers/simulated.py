@@ -78,6 +78,7 @@ class SimulatedDriver:
         self._answers: list[tuple[int, int, int, Answer]] = []
         self._lines: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
+        self._state: dict[str, bytes | None] = {}
         self._wake_ns: int | None = None
         self._careful = CAREFUL_INPUTS if take_up(crash_mark, journal) is not None else 0
         if crash_mark is not None:
@@ -265,12 +266,12 @@ class SimulatedDriver:
         heapq.heappush(self._answers, (due_ns, call.process, call.seq, answer))
 
     def _commit(self) -> None:
-        state = self.kernel.changed()
+        self._state.update(self.kernel.changed())  # after a commit that failed too: it is all still to be written
         reach("feed: decided")
-        self.journal.commit(self._lines, state, self._blobs)
+        self.journal.commit(self._lines, self._state, self._blobs)
         if self._blobs:
             reach("publication: committed")
-        self._lines, self._blobs = [], {}
+        self._lines, self._blobs, self._state = [], {}, {}
 
 
 def _source_ns(item: Item) -> int | None:

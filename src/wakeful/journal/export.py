@@ -8,11 +8,8 @@ from typing import BinaryIO
 
 import msgspec
 
-from wakeful.facts.lines import Admitted, Line, Noted, Opened
+from wakeful.facts.lines import RESUMPTION, Admitted, Line, Noted, Opened
 from wakeful.journal.readable import Readable, event_of, process_of, tag_of
-
-#: What a Noted about a resumption is called; left out of a stable export.
-RESUMPTION = "resumption"
 
 _ROWS_PER_GROUP = 10_000
 

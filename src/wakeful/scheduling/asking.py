@@ -120,9 +120,9 @@ class Asking:
         pending = process.pending if process is not None else None
         if process is None or pending is None or pending.seq != answer.seq or pending.kind not in OUTSIDE:
             return False
-        self.answered(process, pending, answer.value, answer.error, answer.cost_usd, answer.calls)
-        if pending.key == WHICH_TREATMENT and not answer.error and process.decision is not None:
-            reply = msgspec.json.decode(answer.value, type=Reply)
+        reply, error = _reply(process, pending, answer)
+        self.answered(process, pending, NOTHING if error else answer.value, error, answer.cost_usd, answer.calls)
+        if pending.key == WHICH_TREATMENT and reply is not None and process.decision is not None:
             decision = revised(process.decision, reply, self._host.counselled(process.decision, reply))
             self._host.write(Decided(process=process.id, event=process.event.id, decision=decision))
         return True
@@ -155,7 +155,8 @@ class Asking:
             came = self._arrived(process, pending)
             self.answered(process, pending, encoded(came), "", trigger=Trigger.EXPIRE)
         else:
-            self.answered(process, pending, NOTHING, EXPIRED, trigger=Trigger.EXPIRE)
+            calls = int(self._processes.reasoner_calls.is_under_way(process.id))  # it was made, and is paid for
+            self.answered(process, pending, NOTHING, EXPIRED, calls=calls, trigger=Trigger.EXPIRE)
 
     def tell_parent(self, process: Process, value: Raw, error: str = "") -> None:
         """Answer the parent that waits for this child's result."""
@@ -189,6 +190,20 @@ class Asking:
             )
         )
         self._host.write(process.moved(trigger, by=pending.key.replace("\x1f", " ")))
+
+
+def _reply(process: Process, pending: Asked, answer: Answer) -> tuple[Reply | None, str]:
+    """A reasoner's or a person's reply, and what is wrong with the answer, whoever made the call."""
+    if answer.error or pending.kind not in (Kind.DELIBERATE, Kind.ASK):
+        return None, answer.error
+    try:
+        reply = msgspec.json.decode(answer.value, type=Reply)
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        return None, f"the answer is no reply: {error}"[:500]
+    question = process.want.question if isinstance(process.want, Want) else None
+    if question is not None and reply.choice not in question.options:
+        return None, f"the answer {reply.choice[:80]!r} is none of the question's options"
+    return reply, ""
 
 
 def encoded(value: object) -> Raw:

@@ -64,6 +64,10 @@ class ReasonerCalls:
             self._stand(process, place)
             self._release(now_ns)
 
+    def is_under_way(self, process: int) -> bool:
+        """Whether the process is being answered, rather than queued."""
+        return process in self._since_ns
+
     def take(self) -> list[tuple[int, int]]:
         """The processes whose turn has come since this was asked last, in that order, and since when."""
         released, self._released = dict.fromkeys(self._released), []

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from wakeful.facts.asking import Kind
 from wakeful.facts.crashes import QUARANTINED
-from wakeful.facts.lines import Asked, Concluded, Decided
+from wakeful.facts.lines import RESUMPTION, Asked, Concluded, Decided
 from wakeful.facts.processes import Trigger
 from wakeful.facts.results import Result, Unresolved
 from wakeful.facts.time import LONGEST_S
@@ -188,6 +188,8 @@ class Running:
         """Take a recorded wait up again. What goes outside follows its class: one with effect is in doubt, others go again."""
         if pending.kind not in OUTSIDE:
             return
+        if self._processes.reasoner_calls.is_under_way(process.id):
+            self._host.note(RESUMPTION, f"request {pending.seq} to the reasoner was under way: made again", process.id)
         if pending.safety == "effect":
             self._asking.answered(process, pending, NOTHING, IN_DOUBT)
             return
