@@ -68,7 +68,7 @@ def watch_command(
 ) -> None:
     """Run COMMAND (usually 'wakeful run …'), and start it again when it crashes or stalls.
 
-    It is heard by systemd's notify protocol: readiness, a heartbeat from the mind's own loop, a status line. Signals are handed on.
+    It is heard by systemd's notify protocol: readiness, a heartbeat from the mind's own loop, a status. Signals are handed on.
     Ends with the command's own exit code: when it succeeds, is told to end, gets its options wrong, or has failed too often.
     """
     settings = WatchSettings(

@@ -1,4 +1,4 @@
-"""A plain watchdog: starts a command, hears its heartbeat by systemd's protocol, and starts it again when it crashes or stalls."""
+"""A plain watchdog: starts a command, hears its heartbeat by systemd's protocol, starts it again when it crashes or stalls."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ class Ended(msgspec.Struct, frozen=True):
 class Watchdog:
     """Runs one command until it ends in good order, is told to end, or fails too often.
 
-    The command is the leader of a process group of its own; signals go to it alone, a kill to the whole group. It finds the
-    socket in ``NOTIFY_SOCKET`` and the limit in ``WATCHDOG_USEC``; ``wakeful run`` and live minds speak the protocol by themselves.
+    The command is the leader of a process group of its own; signals go to it alone, a kill to the whole group. It
+    finds the socket in ``NOTIFY_SOCKET`` and the limit in ``WATCHDOG_USEC``; ``wakeful run`` and live minds speak the protocol.
 
     Args:
         command: the program with its arguments.
