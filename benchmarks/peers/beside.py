@@ -1,4 +1,4 @@
-"""What a user writes beside a peer that lacks it: outcomes against decisions, limits in workload time, readings that come early."""
+"""What a user writes beside a peer that lacks it: outcomes with their verdicts, and limits in workload time."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def main(system: str, variant: str, workload: Path, store: Path, load: Load) -> 
         "cpu_us_per_event": (cpu_s + getattr(made, "other_cpu_s", 0.0)) * 1e6 / facts.events,
         "admit": _spread(times.came, times.durable),
         "step": _spread(times.came, times.stepped),
-        "resume": _spread(times.read, times.resumed),
+        "resume": _spread(_both(times.read, times.came), times.resumed),
         "bytes_per_event": made.stored_bytes() / facts.events,
         "peak_mb": peak_mb,
         "base_mb": before_mb,
@@ -55,6 +55,11 @@ def main(system: str, variant: str, workload: Path, store: Path, load: Load) -> 
         "right": checksum(finals) == facts.checksum,
         **getattr(made, "extra", {}),
     }
+
+
+def _both(read: dict[str, int], came: dict[str, int]) -> dict[str, int]:
+    """From when on a waiting event could have gone on: a reading may be there before it."""
+    return {name: max(at, came[name]) for name, at in read.items() if name in came}
 
 
 def _spread(since: dict[str, int], until: dict[str, int]) -> list[float] | None:

@@ -100,13 +100,12 @@ class Dbos:
     def run(self) -> None:
         """Window by window."""
         run = self._run
-        for begin in range(0, len(run.messages), run.load.window):
-            came_ns = now_ns()
-            messages = [decode(text) for text in run.messages[begin : begin + run.load.window]]
+        for came, texts in run.windows():
+            messages = [decode(text) for text in texts]
             events = [message for message in messages if isinstance(message, Event)]
             chosen = iter(run.lean.choose(events))
             sends: list[SendMessage] = []
-            for message in messages:
+            for came_ns, message in zip(came, messages, strict=True):
                 sends += [_send(entity, None) for entity in self._limits.late(message.at_ns)]
                 if isinstance(message, Event):
                     run.times.came[message.entity] = came_ns

@@ -252,15 +252,13 @@ class Floor:
                 name, predicted, _, _ = results[event.entity]
                 results[event.entity] = name, predicted, reading, concluded
 
-        for begin in range(0, len(run.messages), run.load.window):
-            texts = run.messages[begin : begin + run.load.window]
-            came_ns = now_ns()
+        for came, texts in run.windows():
             messages = self._decode(texts)
             events = [message for message in messages if type(message) is Event]
             chosen = self._forward(self._features(events))
             rows: list[Row] = []
             at = 0
-            for text, message in zip(texts, messages, strict=True):
+            for came_ns, text, message in zip(came, texts, messages, strict=True):
                 for entity in steps.late(message.at_ns):
                     steps.wake(entity, None)
                     concluded_now(steps.run())

@@ -93,11 +93,10 @@ class PyTrees:
     def run(self) -> None:
         """Window by window."""
         run = self._run
-        for begin in range(0, len(run.messages), run.load.window):
-            came_ns = now_ns()
-            messages = [decode(text) for text in run.messages[begin : begin + run.load.window]]
+        for came, texts in run.windows():
+            messages = [decode(text) for text in texts]
             chosen = iter(run.lean.choose([message for message in messages if isinstance(message, Event)]))
-            for message in messages:
+            for came_ns, message in zip(came, messages, strict=True):
                 for entity in self._limits.late(message.at_ns):
                     self._read(entity, None)
                 if isinstance(message, Event):

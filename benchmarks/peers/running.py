@@ -11,8 +11,14 @@ from typing import Protocol
 import msgspec
 
 from benchmarks.peers.lean import Lean
+from benchmarks.peers.messages import AnyMessage, decode
 
 now_ns = time.perf_counter_ns
+
+#: Workload time between two events.
+SPACING_NS = 10_000_000
+
+_CURSOR = "cursor"
 
 
 class Times:
@@ -30,7 +36,8 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     """How W is offered: as fast as it is taken (``rate`` 0) or at so many events a second whatever happens.
 
     ``group_s``: for how long an open-loop system may gather what it commits together; ``window``: how many messages a saturated
-    one may take before it must have acknowledged the first. ``calls``: each treatment makes one outside call in its third step.
+    one is handed at once. ``full_sync``: an acknowledgement survives power loss too. ``calls``: each treatment makes one outside
+    call, and the client writes down what was acknowledged.
     """
 
     rate: float = 0.0
@@ -58,9 +65,45 @@ class Run:
         self.store = store
         self.load = load
         self.times = Times()
-        self.finished_ns = 0
+        self.acknowledged, self.cursor = _remembered(store / "acknowledged")
         self._acks = _appending(store / "acknowledged") if load.calls else None
         self._calls = _appending(store / "called") if load.calls else None
+        self._due = _offsets(messages, load.rate) if load.rate else []
+
+    def windows(self, *, sleep: bool = True) -> Iterator[tuple[list[int], list[bytes]]]:
+        """What arrives, and when it did: up to a window at once, or (open loop) what has become due within a group's time.
+
+        Whoever asks for the next window says that all of this one is durable, so far as it ever is. ``sleep``: between two
+        windows of an open loop; a system with an event loop sleeps by itself.
+        """
+        return self._open_loop(sleep) if self.load.rate else self._saturated()
+
+    def _saturated(self) -> Iterator[tuple[list[int], list[bytes]]]:
+        for begin in range(self.cursor, len(self.messages), self.load.window):
+            texts = self.messages[begin : begin + self.load.window]
+            yield [now_ns()] * len(texts), texts
+            self.passed(begin + len(texts))
+
+    def _open_loop(self, sleep: bool) -> Iterator[tuple[list[int], list[bytes]]]:
+        start_ns, at = now_ns(), 0
+        due = [start_ns + offset for offset in self._due]
+        while at < len(due):
+            until, until_ns = at, now_ns()
+            while until < len(due) and due[until] <= until_ns:
+                until += 1
+            yield due[at:until], self.messages[at:until]
+            at = until
+            if sleep:
+                time.sleep(self.load.group_s)
+
+    def passed(self, position: int) -> None:
+        """The client need not send again what lies before this position."""
+        if self._acks is not None:
+            os.write(self._acks, f"{_CURSOR} {position}\n".encode())
+
+    def before(self) -> list[AnyMessage]:
+        """What was sent in earlier lives of this store, for a system whose memory must be built again."""
+        return [decode(text) for text in self.messages[: self.cursor]]
 
     def acknowledge(self, entities: Iterable[str]) -> None:
         """The client hears that these events are durable; where crashes are counted, it writes that down."""
@@ -76,16 +119,6 @@ class Run:
             return 0
         os.write(self._calls, f"{entity}\n".encode())
         return 1
-
-    def acknowledged(self) -> set[str]:
-        """What the client was told of in earlier lives of this store: it does not offer that again."""
-        path = self.store / "acknowledged"
-        return set(path.read_text().split()) if path.exists() else set()
-
-    def due(self, count: int) -> Iterator[int]:
-        """When each of ``count`` events is offered, in nanoseconds from the start; open loop only."""
-        step = 1e9 / self.load.rate
-        return (round(number * step) for number in range(count))
 
 
 class System(Protocol):
@@ -106,5 +139,25 @@ def size_of(folder: Path, *prefixes: str) -> int:
     return sum(path.stat().st_size for path in folder.iterdir() if path.name.startswith(prefixes))
 
 
+def _offsets(messages: list[bytes], rate: float) -> list[int]:
+    """When each message is offered, in nanoseconds from the start: workload time, run so fast that events come at that rate."""
+    at = [decode(text).at_ns for text in messages]
+    faster = rate * SPACING_NS / 1e9
+    return [round((each - at[0]) / faster) for each in at]
+
+
 def _appending(path: Path) -> int:
     return os.open(path, os.O_CREAT | os.O_WRONLY | os.O_APPEND, 0o600)
+
+
+def _remembered(path: Path) -> tuple[set[str], int]:
+    """Which events were acknowledged, and from where on messages must be sent again."""
+    entities: set[str] = set()
+    cursor = 0
+    for line in path.read_text().splitlines() if path.exists() else ():
+        word, _, number = line.partition(" ")
+        if word == _CURSOR:
+            cursor = int(number)
+        else:
+            entities.add(word)
+    return entities, cursor

@@ -20,6 +20,8 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
     variants: tuple[str, ...]
     durable: bool
     needs: tuple[str, ...] = ()
+    elsewhere: dict[str, tuple[str, str]] = {}
+    """Variants that are made by another module and class."""
     share: float = 1.0
     """Of the workload's events that this system is given: slow ones get fewer, and CPU for each event is what counts."""
     window: int = 256
@@ -27,7 +29,8 @@ class Entry(msgspec.Struct, frozen=True, kw_only=True):
 
     def make(self, variant: str, run: Run) -> System:
         """The system, ready to run."""
-        kind: Callable[[Run, str], System] = getattr(import_module(f"benchmarks.peers.{self.module}"), self.name)
+        module, name = self.elsewhere.get(variant, (self.module, self.name))
+        kind: Callable[[Run, str], System] = getattr(import_module(f"benchmarks.peers.{module}"), name)
         return kind(run, variant)
 
     @property
@@ -60,7 +63,13 @@ def code_lines(text: str) -> int:
 
 
 SYSTEMS: dict[str, Entry] = {
-    "wakeful": Entry(module="of_wakeful", name="Wakeful", variants=("stream",), durable=True),
+    "wakeful": Entry(
+        module="of_wakeful",
+        name="Wakeful",
+        variants=("stream", "live", "live-full"),
+        durable=True,
+        elsewhere=dict.fromkeys(("live", "live-full"), ("of_wakeful_live", "WakefulLive")),
+    ),
     "floor": Entry(module="of_floor", name="Floor", variants=("",), durable=True),
     "dbos": Entry(module="of_dbos", name="Dbos", variants=("sqlite",), durable=True, needs=("dbos",), share=0.1, window=32),
     "langgraph": Entry(

@@ -28,11 +28,11 @@ from benchmarks.peers.messages import (
     Tick,
     encode,
 )
+from benchmarks.peers.running import SPACING_NS
 from benchmarks.peers.treating import LIMIT_NS, WAITS, checksum, conclude, final, look, verdict, weigh
 from wakeful.facts.experience import ModelCard
 
 START_NS = 1_767_596_400_000_000_000
-SPACING_NS = 10_000_000
 READING_NS = (100_000_000, 1_000_000_000)
 EARLY_NS = (50_000_000, 500_000_000)
 OUTCOME_NS = (3_000_000_000, 5_000_000_000)

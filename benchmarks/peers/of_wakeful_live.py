@@ -1,0 +1,96 @@
+"""W through wakeful's live driver: each event is admitted by itself, and its admission returns when it is durable."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Coroutine
+
+from benchmarks.peers.learned import DOMAIN, draft
+from benchmarks.peers.messages import Event, Evidence, Tick, decode
+from benchmarks.peers.of_wakeful import SOURCE, Fixed, evidence, finals_of, outcome, prepare, registry
+from benchmarks.peers.running import Run, size_of
+from benchmarks.peers.treating import LIMIT_NS
+from wakeful import LiveDriver
+from wakeful.contracts.journal import Journal
+from wakeful.deliberation.guidelines import GuidelineReasoner
+from wakeful.drivers.assembly import assemble
+from wakeful.facts.settings import MindSettings
+from wakeful.journal import open_journal
+
+
+class WakefulLive:
+    """Kernel time follows the workload's clock, so that limits pass in workload time."""
+
+    def __init__(self, run: Run, variant: str) -> None:
+        self._run = run
+        self._path = run.store / "mind.db"
+        full_sync = run.load.full_sync or variant.endswith("full")
+        if not self._path.exists():
+            prepare(self._path, run.workload, full_sync)
+        self._before = size_of(run.store, "mind.db")
+        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
+        journal: Journal = open_journal(self._path, full_sync=full_sync)
+        self._at_ns = 0
+        self._mind = LiveDriver(
+            kernel,
+            journal,
+            GuidelineReasoner(kernel.domain.spec),
+            learner,
+            source=SOURCE,
+            clock_ns=lambda: 0,
+            closes_journal=True,
+            group_s=run.load.group_s if run.load.rate else 0.0,
+            monotonic_ns=lambda: self._at_ns,
+        )
+
+    def run(self) -> None:
+        """In an event loop of its own."""
+        asyncio.run(self._all())
+
+    async def _all(self) -> None:
+        open_loop = bool(self._run.load.rate)
+        offered: list[asyncio.Task[None]] = []
+        async with self._mind:
+            for came, texts in self._run.windows(sleep=False):
+                handing = [self._hand(text, came_ns) for came_ns, text in zip(came, texts, strict=True)]
+                if open_loop:
+                    offered += [asyncio.create_task(each) for each in handing]
+                    await asyncio.sleep(self._run.load.group_s / 2)
+                else:
+                    await asyncio.gather(*handing)
+            await asyncio.gather(*offered)
+            await self._settle()
+
+    async def _settle(self) -> None:
+        """Let the last limits pass, and what is still thinking come to its end: saturated, treatments lag behind admissions."""
+        for _ in range(2):
+            while self._mind.kernel.runnable:
+                await asyncio.sleep(0.001)
+            self._at_ns += LIMIT_NS
+            await self._mind.tell(self._last)  # an outcome that is known changes nothing, but the mind looks at its clock
+
+    def _hand(self, text: bytes, came_ns: int) -> Coroutine[None, None, None]:
+        message = decode(text)
+        self._at_ns = message.at_ns
+        if isinstance(message, Event):
+            self._run.times.came[message.entity] = came_ns
+            return self._admit(message)
+        if isinstance(message, Tick):
+            return asyncio.sleep(0)
+        if isinstance(message, Evidence):
+            self._run.times.read.setdefault(message.entity, came_ns)
+            return self._mind.tell(evidence(message))
+        self._last = outcome(message)
+        return self._mind.tell(self._last)
+
+    async def _admit(self, event: Event) -> None:
+        await self._mind.admit(draft(event))
+        self._run.acknowledge([event.entity])
+
+    def finals(self) -> list[str]:
+        """From the journal."""
+        return finals_of(self._path)
+
+    def stored_bytes(self) -> int:
+        """The journal's growth."""
+        return size_of(self._run.store, "mind.db") - self._before
