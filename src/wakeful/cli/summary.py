@@ -73,6 +73,8 @@ def print_state(told: Summary) -> None:
         + (f", {told.models_rejected} rejected" if told.models_rejected else "")
         + (f", {count(told.reopened, 'event')} reopened" if told.reopened else ""),
     )
+    for index, alarm in enumerate(told.drifted[-3:]):
+        row("" if index else "drift", alarm)
 
 
 def _episode(episode: StrangeEpisode) -> None:

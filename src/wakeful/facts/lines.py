@@ -219,6 +219,18 @@ class Revoked(Record, frozen=True):
     why: str
 
 
+class Drifted(Record, frozen=True):
+    """A treatment errs more than it did: of its last ``of`` results ``wrong`` were contradicted, ``before`` is the share that was
+    usual. ``changed``: one forecast fails consistently; else outcomes have become noisier."""
+
+    treatment: str
+    before: float
+    wrong: int
+    of: int
+    changed: bool
+    why: str
+
+
 class Reopened(Record, frozen=True):
     """A completed process's event is thought about again, in a new process linked to the old."""
 
@@ -291,6 +303,7 @@ AnyRecord = (
     | Trusted
     | Certified
     | Revoked
+    | Drifted
     | Reopened
     | Acted
     | Imported

@@ -17,6 +17,7 @@ from wakeful.facts.lines import (
     Concluded,
     Created,
     Decided,
+    Drifted,
     Duplicate,
     Finished,
     Gained,
@@ -119,6 +120,7 @@ class History(msgspec.Struct):
     """By the new process's id."""
     published: list[tuple[int, Published]] = []
     trusted: list[tuple[int, Trusted]] = []
+    drifted: list[tuple[int, Drifted]] = []
     acted: list[tuple[int, Acted]] = []
     noted: list[tuple[int, Noted]] = []
     expired_waits: int = 0
@@ -231,6 +233,8 @@ class History(msgspec.Struct):
                 self.published.append((line.at_ns, record))
             case Trusted():
                 self.trusted.append((line.at_ns, record))
+            case Drifted():
+                self.drifted.append((line.at_ns, record))
             case Acted():
                 self.acted.append((line.at_ns, record))
             case Noted():

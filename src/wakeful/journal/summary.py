@@ -105,6 +105,8 @@ class Summary(View, frozen=True):
     reasoner_calls: int
     cost_usd: float
     reopened: int
+    drifted: tuple[str, ...]
+    """Alarms that a treatment erred more than before, in words, the newest last."""
     models_published: int
     models_rejected: int
     experiences: int
@@ -165,6 +167,7 @@ def summary_of(read: History, strange: int = 5) -> Summary:
         reasoner_calls=read.reasoner_calls,
         cost_usd=read.cost_usd,
         reopened=len(read.reopened),
+        drifted=tuple(f"{record.treatment}: {record.why}" for _, record in read.drifted),
         models_published=sum(1 for _, published in read.published if published.card.accepted),
         models_rejected=sum(1 for _, published in read.published if not published.card.accepted),
         experiences=len(read.gained),

@@ -12,7 +12,8 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.inputs import TrainingJob
-from wakeful.facts.lines import Acted, AnyRecord, Gained, Imported, Published, TrainingAsked
+from wakeful.facts.lines import Acted, AnyRecord, Drifted, Gained, Imported, Published, TrainingAsked
+from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import to_ns
 from wakeful.learning.replay import Row, Sides, refuted, replay
 
@@ -27,7 +28,8 @@ class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     so that a few are enough. ``epochs_first`` is from scratch, ``epochs`` a continual update (Section IV-A of the paper).
     ``latency_s`` is the declared time to publication in virtual time. ``replay`` bounds the rows of one training,
     ``remembered`` those that are kept at all; ``held_back`` is the share kept for comparison and calibration.
-    ``corrective_weight`` is what an experience that corrected a result weighs.
+    ``corrective_weight`` is what an experience that corrected a result weighs. ``benefit``: thresholds may let pass what
+    deliberation got wrong as often.
     """
 
     min_experiences: int = 20
@@ -42,6 +44,17 @@ class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     remembered: int = 20_000
     held_back: float = 0.2
     corrective_weight: float = 1.0
+    benefit: bool = True
+
+    @classmethod
+    def under(cls, settings: MindSettings) -> LearningSettings:
+        """The defaults, as the mind's gate needs them.
+
+        Under the guarantee a new version comes when experience has doubled: a certificate is of one version, and must be
+        earned anew by the next.
+        """
+        growth = 1.0 if settings.gate == "guarantee" else 0.1
+        return cls(seed=settings.seed, growth=growth, benefit=settings.gate == "benefit")
 
 
 class Learning:
@@ -98,7 +111,7 @@ class Learning:
         return tuple(self._rows.values())
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
-        """Take up a record; all but Gained, Imported, TrainingAsked, Published and a rollback are passed over.
+        """Take up a record; all but Gained, Imported, TrainingAsked, Published, Drifted and a rollback are passed over.
 
         Args:
             record: the record, live or in recovery.
@@ -124,6 +137,8 @@ class Learning:
                 self._pending, self._frozen = None, ()
             if record.card.accepted:
                 self._base = record.card.version
+        elif isinstance(record, Drifted):
+            self._since_asked += self.settings.every  # what was learned no longer holds: learn again as soon as may be
         elif isinstance(record, Acted) and record.act == "rollback" and not record.refused:
             # What was being trained went on from the version that is no longer wanted.
             self._base, self._pending, self._frozen = record.version, None, ()
@@ -175,7 +190,7 @@ class Learning:
             refuted=refuted(rows),
             weight=np.array([row.weight for row in rows], dtype=np.float64),
             held_back=np.array([row.held_back for row in rows], dtype=np.bool_),
-            right=np.array([row.right for row in rows], dtype=np.bool_),
+            right=np.array([row.right for row in rows], dtype=np.bool_) if self.settings.benefit else None,
         )
 
     def _gain(self, experience: Experience, event: Event) -> None:

@@ -8,8 +8,21 @@ import msgspec
 
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.experience import Experience, ModelCard, Verdict
-from wakeful.facts.lines import AnyRecord, Concluded, Created, Decided, Gained, Judged, Moved, Published, Reopened, Trusted
+from wakeful.facts.lines import (
+    AnyRecord,
+    Concluded,
+    Created,
+    Decided,
+    Drifted,
+    Gained,
+    Judged,
+    Moved,
+    Published,
+    Reopened,
+    Trusted,
+)
 from wakeful.facts.processes import State
+from wakeful.revision.drift import Drift
 from wakeful.revision.reliability import Reliability
 from wakeful.revision.standing import Made, Stale, Standing
 from wakeful.revision.track import Track
@@ -47,7 +60,8 @@ class Revision:
     """Trust and reopening. Pure: no clock; state changes only in ``apply``.
 
     What the kernel does with it: ``apply`` of every record; after ``apply(Gained)``, ``weigh(experience)`` and, each of its
-    Trusted recorded, ``reopen(experience, limit)``; before it records a Published, ``relearned(card)``.
+    Trusted recorded, ``drifted(treatment)`` and ``reopen(experience, limit)``; before it records a Published,
+    ``relearned(card)``.
 
     Trust is a treatment's record times its standing. The record is the expected share of its results that the world supports, in
     whatever mode, recent ones counting more (`Track`): a treatment that is contradicted as often as not is trusted by half. The
@@ -65,6 +79,7 @@ class Revision:
         self._criticality: dict[int, int] = {}
         self._reliability = Reliability(self.settings.memory, self.settings.prior_agreed, self.settings.prior_differed)
         self._standing = Standing(self.settings.keep)
+        self._drift = Drift()
 
     def trust(self, treatment: str) -> float:
         """Trust in automatic execution of a treatment, in [0, 1]."""
@@ -119,6 +134,22 @@ class Revision:
         else:
             return []
         return self._trusted(treatment, share * standing, why, experience.id)
+
+    def drifted(self, treatment: str) -> list[Drifted]:
+        """The alarm that a treatment errs more than it did, if there is one. Its experience was applied (Gained) just before."""
+        alarm = self._drift.alarm(treatment)
+        if alarm is None:
+            return []
+        return [
+            Drifted(
+                treatment=treatment,
+                before=alarm.before,
+                wrong=alarm.wrong,
+                of=alarm.of,
+                changed=alarm.changed,
+                why=alarm.says,
+            )
+        ]
 
     def relearned(self, card: ModelCard) -> list[Trusted]:
         """Trust given back on probation: an accepted version has learned from the contradictions that lowered it."""
@@ -187,6 +218,8 @@ class Revision:
                 self._standing.settle(reopens)
             case Gained(experience=experience):
                 self._gain(experience)
+            case Drifted(treatment=treatment):
+                self._drift.reset(treatment)
             case Trusted(treatment=treatment, after=after):
                 self._trust[treatment] = after
                 self._track.stand(treatment, after)
@@ -209,6 +242,7 @@ class Revision:
 
     def _gain(self, experience: Experience) -> None:
         self._track.learn(experience)
+        self._drift.learn(experience)
         made = self._standing.get(experience.process)
         rests_on = made.rests_on if made is not None else ()
         self._reliability.learn(experience, rests_on)
