@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from wakeful.facts.crashes import QUARANTINED
 from wakeful.facts.processes import Completion
 from wakeful.facts.time import to_s
 from wakeful.journal.history import EventPast, History, ProcessPast
@@ -12,7 +13,7 @@ UNFINISHED = (Completion.UNRESOLVED, Completion.CANCELLED, Completion.ABANDONED)
 
 
 class DebtRow(View, frozen=True):
-    """One event in debt. ``because`` is ``fallback``, or how its last process ended."""
+    """One event in debt. ``because`` is ``fallback``, ``quarantined``, or how its last process ended."""
 
     id: str
     kind: str
@@ -49,6 +50,17 @@ def _treats(process: ProcessPast) -> bool:
     return process.decision is not None and process.decision.mode != "fallback" and process.end not in UNFINISHED
 
 
+def quarantined(process: ProcessPast) -> bool:
+    """Whether its code is not run again because it ended the mind's process too often."""
+    return any(note.what == QUARANTINED for note in process.notes)
+
+
+def _because(process: ProcessPast) -> str:
+    if quarantined(process):
+        return QUARANTINED
+    return str(process.end) if process.end in UNFINISHED else "fallback"
+
+
 def _row(read: History, past: EventPast, process: ProcessPast) -> DebtRow:
     event = past.event
     cancelled = process.end is Completion.CANCELLED
@@ -58,7 +70,7 @@ def _row(read: History, past: EventPast, process: ProcessPast) -> DebtRow:
         entity=event.entity,
         criticality=event.criticality,
         age_s=to_s(read.now_ns - past.admitted_ns),
-        because=str(process.end) if process.end in UNFINISHED else "fallback",
+        because=_because(process),
         who=process.by if cancelled else "",
         process=process.id,
         says=event.says,
