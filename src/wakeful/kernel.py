@@ -285,6 +285,8 @@ class Kernel:
         """Revise: trust moves; what rested on refuted knowledge and is still open to correction is thought about again."""
         for trusted in self._revision.weigh(experience):
             self.write(trusted)
+        for drifted in self._revision.drifted(experience.treatment):
+            self.write(drifted)
         for stale in self._revision.reopen(experience, limit=self.settings.reopen_limit):
             event = self._events.get(stale.event)
             if event is None:
