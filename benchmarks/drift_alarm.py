@@ -1,7 +1,7 @@
 """The drift alarm, measured: how often it is false while nothing changes, how soon it comes, and what it takes a change for.
 
-Run: `python -m benchmarks.drift_alarm [--json]`. Streams of results of one treatment over four kinds of events, made from seeds: a
-share of outcomes is wrong from the beginning; then either nothing changes, or outcomes become noisier for all kinds, or the
+Run: `python -m benchmarks.drift_alarm [--json]`. Streams of results of one treatment over four kinds of events, made from seeds:
+a share of outcomes is wrong from the beginning; then either nothing changes, or outcomes become noisier for all kinds, or the
 outcome of one kind is another one from then on (a quarter of the events). The alarm is the product's, with its own settings.
 """
 
@@ -102,7 +102,8 @@ def main() -> None:
         print(json.dumps(found, indent=2))
         return
     print(
-        f"alarms at most once in {DriftSettings().every:,.0f} results on average (setting); seeds 0 to {QUIET_RUNS - 1} and 10000 on"
+        f"alarms at most once in {DriftSettings().every:,.0f} results on average (setting); "
+        f"seeds 0 to {QUIET_RUNS - 1}, and {CHANGED_RUNS} from 10000 on"
     )
     print(f"{'world':42} {'runs':>5} {'false/10,000':>13} {'told':>6} {'delay':>6} {'p90':>5} {'called changed':>15}")
     for row in found:
