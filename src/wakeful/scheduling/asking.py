@@ -49,6 +49,9 @@ class Asking:
         if pending is None:
             pending = self._asked(process, want)
             self._host.write(pending)
+            if process.base_seq and (known := recorded_before(process, pending)) is not None:
+                process.want = want
+                return self._at_once(pending, known.value, known.error)
         process.want = want
         if want.kind is Kind.RECALL and want.query is not None:
             return self._at_once(pending, encoded(self._host.recall(want.query)))
@@ -75,8 +78,9 @@ class Asking:
             detail=encoded(want.event) if want.event is not None and want.event != process.event else NOTHING,
         )
 
-    def _at_once(self, pending: Asked, value: Raw) -> Answered:
-        answered = Answered(process=pending.process, seq=pending.seq, kind=pending.kind, key=pending.key, value=value)
+    def _at_once(self, pending: Asked, value: Raw, error: str = "") -> Answered:
+        place = {"process": pending.process, "seq": pending.seq}
+        answered = Answered(**place, kind=pending.kind, key=pending.key, value=value, error=error)
         self._host.write(answered)
         return answered
 
@@ -204,6 +208,19 @@ def _reply(process: Process, pending: Asked, answer: Answer) -> tuple[Reply | No
     if question is not None and reply.choice not in question.options:
         return None, f"the answer {reply.choice[:80]!r} is none of the question's options"
     return reply, ""
+
+
+def recorded_before(process: Process, pending: Asked) -> Answered | None:
+    """What an earlier attempt of the process (before a restart, or in another mode) was answered to the same request.
+
+    The n-th such request of this attempt has the n-th such answer: nothing outside that was answered is done again. What failed
+    or came too late is asked anew, but for a call with effect, which is never made twice.
+    """
+    same = [each for each in process.asked if (each.kind, each.args) == (pending.kind, pending.args)]
+    turn = sum(1 for each in same if each.seq > process.base_seq)
+    before = [process.answers[each.seq] for each in same if each.seq <= process.base_seq and each.seq in process.answers]
+    kept = [each for each in before if not each.error or pending.safety == "effect"]
+    return kept[turn - 1] if turn <= len(kept) else None
 
 
 def encoded(value: object) -> Raw:

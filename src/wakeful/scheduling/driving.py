@@ -15,7 +15,7 @@ from wakeful.facts.lines import Answered
 from wakeful.facts.results import Result, Unresolved
 from wakeful.scheduling.mind import KernelMind
 from wakeful.scheduling.process import Process
-from wakeful.scheduling.thinking import think
+from wakeful.scheduling.thinking import GENERAL, think
 from wakeful.scheduling.wants import Want, Work
 
 #: What an Answered says in ``error`` when the request's limit passed.
@@ -107,7 +107,11 @@ class Coroutines:
         process.heard_ns = process.answered_ns[answered.seq]
         if answered.error and want.kind in (Kind.DELIBERATE, Kind.CALL, Kind.TREAT):
             return self._run(process, coroutine.throw, Refusal(answered.error))
-        return self._run(process, coroutine.send, self._value(want, answered))
+        try:
+            value = self._value(want, answered)
+        except Exception as error:  # decoding fails as the user's types say; a treatment that is gone, as its registry says
+            raise Mismatch(f"the answer to request {answered.seq} ({want.kind} {want.key!r}) cannot be read: {error}") from error
+        return self._run(process, coroutine.send, value)
 
     def _value(self, want: Want, answered: Answered) -> object:
         text = answered.value
@@ -126,6 +130,21 @@ class Coroutines:
                 return msgspec.json.decode(text)
             case _:
                 return None
+
+    def knows(self, treatment: str) -> bool:
+        """Whether there is a treatment of that name."""
+        try:
+            self._treatment(treatment)
+        except Exception:  # whatever the registry raises where there is none
+            return False
+        return True
+
+    def instead_of(self, treatment: str) -> str:
+        """What stands in for a treatment that is not there any more: a general one; empty where it is there, or nothing is."""
+        if self.knows(treatment):
+            return ""
+        known = [name for name in self._options if self.knows(name)]
+        return next((name for name in GENERAL if name in known), known[0] if known else "")
 
     def result(self, treatment: str, text: msgspec.Raw) -> Result:
         """A recorded result in the treatment's own type, or as Unresolved."""

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from wakeful.facts.asking import Kind
 from wakeful.facts.crashes import QUARANTINED
 from wakeful.facts.lines import RESUMPTION, Asked, Concluded, Decided
-from wakeful.facts.processes import Trigger
+from wakeful.facts.named import MISMATCH, REMOVED
+from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result, Unresolved
 from wakeful.facts.time import LONGEST_S
 from wakeful.facts.values import NOTHING
@@ -136,13 +137,35 @@ class Running:
     def _restart(self, process: Process, mismatch: Mismatch) -> None:
         """Begin again from the event: named, never stranded."""
         detail = f"{mismatch}; restarted from its event"
-        self._host.note("code no longer matches its record", detail, process.id, process.event.id)
+        self._host.note(MISMATCH, detail, process.id, process.event.id)
         self._host.write(process.moved(Trigger.RESTART))
+
+    def removed(self, process: Process) -> bool:
+        """Its treatment is not registered any more: it is named and begins again in fallback mode, by a general treatment.
+
+        A child fails instead, and whoever waits for it hears so. Whether that was so.
+        """
+        decision = process.decision
+        if decision is None or self._coroutines.knows(decision.treatment):
+            return False
+        instead = self._coroutines.instead_of(decision.treatment)
+        why = f"{decision.treatment} is not registered any more"
+        going_on = f"; goes on in fallback mode, by {instead}" if instead and not process.parent else ""
+        self._host.note(REMOVED, why + going_on, process.id, process.event.id)
+        if process.state is not State.CREATED:
+            self._host.write(process.moved(Trigger.RESTART))
+        if instead and not process.parent:
+            self._host.write(Decided(process=process.id, event=process.event.id, decision=provisional(decision, why, instead)))
+        return True
 
     def _fail(self, process: Process, why: str) -> None:
         """Continue in fallback mode; what fails there too is completed as unresolved, and is debt."""
         decision = process.decision
-        if decision is not None and decision.mode != "fallback":
+        gone = decision is not None and not self._coroutines.knows(decision.treatment)
+        if gone and not process.parent and self._coroutines.instead_of(decision.treatment if decision is not None else ""):
+            self.removed(process)
+            return
+        if decision is not None and decision.mode != "fallback" and not gone:
             self._host.note("treatment failed", f"{decision.treatment}: {why}", process.id, process.event.id)
             self._host.write(process.moved(Trigger.RESTART))
             self._host.write(Decided(process=process.id, event=process.event.id, decision=provisional(decision, why)))

@@ -222,6 +222,8 @@ class Scheduler:
         """Go on from the recorded state: holders of slots where their steps stood, waiting calls made again."""
         now_ns = self._host.now_ns
         for process in list(self.processes):
+            if self._running.removed(process):
+                continue
             if process.state is State.ACTIVE:
                 elapsed_ns = now_ns - process.active_since_ns
                 process.ran = elapsed_ns // self._step_ns if self._step_ns else 0

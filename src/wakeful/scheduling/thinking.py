@@ -18,6 +18,9 @@ from wakeful.scheduling.mind import KernelMind
 #: What the kernel's own question is about; its answer may change the process's treatment.
 WHICH_TREATMENT = "treatment"
 
+#: What stands in for a treatment that is not there any more, where the domain allows it.
+GENERAL = ("analogy", "description")
+
 #: How many validated episodes are laid before the reasoner.
 EPISODES_SHOWN = 5
 
@@ -94,6 +97,10 @@ def revised(decision: Decision, reply: Reply, prior: dict[str, float]) -> Decisi
     )
 
 
-def provisional(decision: Decision, why: str) -> Decision:
-    """The decision after a treatment failed: the same treatment, by general means, until something better is known."""
-    return msgspec.structs.replace(decision, mode="fallback", reasons=(*decision.reasons, f"in fallback since {why}"))
+def provisional(decision: Decision, why: str, instead: str = "") -> Decision:
+    """The decision after a treatment failed: the same treatment, by general means, until something better is known.
+
+    ``instead`` stands in for a treatment that is not there any more.
+    """
+    reasons = (*decision.reasons, f"in fallback since {why}")
+    return msgspec.structs.replace(decision, treatment=instead or decision.treatment, mode="fallback", reasons=reasons)
