@@ -15,7 +15,7 @@ from wakeful.testing.faulty_reasoner import FAULTS
 SEEDS = int(os.environ.get("WAKEFUL_CHAOS_SEEDS", "40"))
 
 #: Seeds that failed once, each by another defect (docs/chaos.md): they stay.
-FAILED_ONCE = (0, 2, 40)
+FAILED_ONCE = (0, 2, 40, 200_006)
 
 
 def fresh() -> int:
@@ -58,6 +58,7 @@ def test_plans_differ_and_between_them_hold_every_fault() -> None:
         "hostile",
         "rate-limited",
     }
+    assert {fault for plan in plans for fault in plan.manners.rates} == set(FAULTS)
     assert any(plan.manners.down for plan in plans)
     assert any(jump == -86_400.0 for plan in plans for _, jump in plan.clock_jumps)
     assert any(plan.budget for plan in plans)

@@ -58,7 +58,11 @@ class GuardedReasoner:
                 reply = await self._asked(question, intent)
         except TimeoutError:
             raise ReasonerError(f"no answer from {self.name} within {self._deadline_s:g} s") from None
-        reply = check(reply, question)
+        try:
+            reply = check(reply, question)
+        except ReasonerError as error:
+            error.calls, error.cost_usd = reply.calls, reply.cost_usd  # it is paid for all the same
+            raise
         if self._cache:
             self._cache.put(name, reply)
         return reply

@@ -139,6 +139,9 @@ class FaultyDisk(apsw.VFS):
         content = path.read_bytes()
         path.write_bytes(content[: max(0, len(content) - lost_bytes)])
 
+    def excepthook(self, kind: object, error: object, trace: object) -> None:
+        """A fault where SQLite takes no error is not printed: it was asked for."""
+
     # --- what SQLite asks of it ---
 
     def xOpen(self, name: str | apsw.URIFilename | None, flags: list[int]) -> apsw.VFSFile:
@@ -194,6 +197,9 @@ class _File(apsw.VFSFile):
         if self._name:
             disk.keep(self._name)
         super().__init__("", name, flags)
+
+    def excepthook(self, kind: object, error: object, trace: object) -> None:
+        """As the disk's own."""
 
     def xRead(self, amount: int, offset: int) -> bytes:
         self._disk.check_power()
