@@ -8,29 +8,46 @@ import click
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
 from wakeful.cli.summary import print_curve, print_state
-from wakeful.cli.terminal import say, table
+from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.facts.processes import State
+from wakeful.journal.named import Named, named
 from wakeful.journal.rows import event_row, process_row
 from wakeful.journal.views import History, history, summary_of
 from wakeful.journal.wording.waiting import deadline_words
 from wakeful.journal.wording.words import count, duration, instant
 
 
+#: Of each kind of thing to look at so many processes are named; `--json` names all.
+NAMES_SHOWN = 20
+
+
 @click.command("status")
 @journal_option
 @json_option
 def status_command(journal: Path | None, as_json: bool) -> None:
-    """Say in short where things stand: intake, open processes, debt, models, trust."""
+    """Say in short where things stand: intake, open processes, debt, models; and by name what did not go on as it was."""
     with reading(journal) as opened:
         read = history(opened)
         path = opened.path
     told = summary_of(read, strange=0)
     if as_json:
-        print_json({"journal": str(path), "lines": read.last, "now_ns": read.now_ns, "summary": told})
+        state = {"journal": str(path), "lines": read.last, "now_ns": read.now_ns, "summary": told}
+        print_json({**state, "named": named(read)})
         return
     say(f"{path}: {count(read.last, 'line')}, {', '.join(_sources(read)) or 'no source yet'}")
     print_state(told)
+    _print_named(named(read))
     print_curve(told)
+
+
+def _print_named(found: list[Named]) -> None:
+    if found:
+        heading("To look at")
+    for each in found:
+        whom = [f"P{process}" for process in each.processes] or [event[:10] for event in each.events]
+        shown = ", ".join(whom[:NAMES_SHOWN]) + (f" and {len(whom) - NAMES_SHOWN} more" if len(whom) > NAMES_SHOWN else "")
+        still = f" ({each.open:,} still open)" if each.open else ""
+        paragraph(f"{len(whom):,} {each.means}{still}: {shown}" if whom else each.means, indent=2, hang=2)
 
 
 def _sources(read: History) -> list[str]:
