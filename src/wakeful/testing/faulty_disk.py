@@ -139,8 +139,9 @@ class FaultyDisk(apsw.VFS):
         content = path.read_bytes()
         path.write_bytes(content[: max(0, len(content) - lost_bytes)])
 
-    def excepthook(self, kind: object, error: object, trace: object) -> None:
+    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:
         """A fault where SQLite takes no error is not printed: it was asked for."""
+        return True
 
     # --- what SQLite asks of it ---
 
@@ -198,8 +199,9 @@ class _File(apsw.VFSFile):
             disk.keep(self._name)
         super().__init__("", name, flags)
 
-    def excepthook(self, kind: object, error: object, trace: object) -> None:
+    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:
         """As the disk's own."""
+        return True
 
     def xRead(self, amount: int, offset: int) -> bytes:
         self._disk.check_power()
