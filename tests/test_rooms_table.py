@@ -18,6 +18,7 @@ from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.scheduling.scheduler import Scheduler
+from wakeful.selection.guarantee import Guarantee
 from wakeful.selection.selector import Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
@@ -30,6 +31,7 @@ CLASSES: dict[str, type] = {
         SpecRegistrar,
         Admission,
         Selector,
+        Guarantee,
         Scheduler,
         ProcessSet,
         EvidenceShelf,
@@ -45,6 +47,7 @@ ROOMS = {
     "_sources": Sources,
     "_admission": Admission,
     "_selector": Selector,
+    "_guarantee": Guarantee,
     "_scheduler": Scheduler,
     "_validation": Validation,
     "_learning": Learning,

@@ -53,6 +53,7 @@ from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
+from wakeful.selection.guarantee import guarantee_of
 from wakeful.selection.selector import SelectionSettings, Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
@@ -90,13 +91,14 @@ class Kernel:
         self._sources = Sources(domain, settings.seed)
         self._events: OrderedDict[str, Event] = OrderedDict()
         self._admission = Admission()
-        self._selector = Selector(spec, options, learner, SelectionSettings())
+        self._guarantee = guarantee_of(settings)
+        self._selector = Selector(spec, options, learner, SelectionSettings(), self._guarantee)
         self._episodes = Episodes(self._selector.encode)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
         self._gap_ns = None if spec.outcome.gap_s is None else to_ns(spec.outcome.gap_s)
-        self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings(seed=settings.seed))
+        self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings.under(settings))
         self._counsel = Counsel()
         self._weights = b""
         self._versions: dict[int, tuple[ModelCard, bytes]] = {}
@@ -239,7 +241,7 @@ class Kernel:
         if reopens:
             # What was refuted is not done again unthinkingly.
             mode = "delib" if decision.mode == "auto" else decision.mode
-            decision = msgspec.structs.replace(decision, mode=mode, reasons=(why, *decision.reasons))
+            decision = msgspec.structs.replace(decision, mode=mode, audit=None, reasons=(why, *decision.reasons))
         deadline_ns = None if event.deadline_s is None else self._now_ns + to_ns(event.deadline_s)
         return self._scheduler.create(event, decision, deadline_ns=deadline_ns, reopens=reopens)
 
@@ -280,6 +282,9 @@ class Kernel:
                 self.write(Gained(experience=experience))
                 self._revise(experience)
                 self._learn()
+            if self._guarantee is not None:
+                for change in self._guarantee.changes():
+                    self.write(change)
 
     def _revise(self, experience: Experience) -> None:
         """Revise: trust moves; what rested on refuted knowledge and is still open to correction is thought about again."""
@@ -402,6 +407,8 @@ class Kernel:
         self._learn_from(record)
         self._episodes.apply(record)
         self._counsel.apply(record)
+        if self._guarantee is not None:
+            self._guarantee.apply(record)
         self._revision.apply(record, now_ns)
 
     def _learn_from(self, record: AnyRecord) -> None:

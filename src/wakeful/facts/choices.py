@@ -5,7 +5,7 @@ The hot path records these numbers. Whoever reads the journal gets the Decision 
 
 from __future__ import annotations
 
-from wakeful.facts.decisions import Candidate, Decision, Gate
+from wakeful.facts.decisions import Audit, Candidate, Decision, Gate
 from wakeful.facts.values import Fact
 
 #: To how many digits probabilities, novelty and trust are rounded before they are compared, and recorded.
@@ -102,4 +102,25 @@ def automatic(gate: Gate, prior: dict[str, float], needed: float, support: int) 
         f"forecast {label!r} with {confidence:.3f} (at least {needed:.2f}), "
         f"novelty {gate.novelty:.3f} (at most {gate.novelty_limit:g}), "
         f"trust {gate.trust:.2f} (at least {gate.trust_limit:g}), {support} validated experiences."
+    )
+
+
+def guaranteed(treatment: str, audit: Audit, deliberated: bool = False) -> str:
+    """What the guarantee gate said, in words.
+
+    >>> guaranteed("memory", Audit(score=0.93, level=0.9, probability=0.2, drawn=False, alpha=0.05))
+    'Automatic under the guarantee: the score 0.930 reaches 0.90, from which memory is certified at a risk of 5 %.'
+    """
+    if audit.level > 1.0:
+        return f"Not automatic: {treatment} is not certified yet at a risk of {100 * audit.alpha:g} %; the outcome will count."
+    certified = f"{audit.level:.2f}, from which {treatment} is certified at a risk of {100 * audit.alpha:g} %"
+    if not audit.automatic:
+        return f"Not automatic: the score {audit.score:.3f} does not reach {certified}."
+    if not audit.drawn:
+        return f"Automatic under the guarantee: the score {audit.score:.3f} reaches {certified}."
+    what = "deliberated to be compared" if deliberated else "its outcome counts as evidence"
+    return (
+        f"The score {audit.score:.3f} reaches {certified}; drawn for an audit (one in {1 / audit.probability:.3g}): {what}."
+        if audit.probability < 1.0
+        else f"Automatic under the guarantee: the score {audit.score:.3f} reaches {certified}; its outcome counts as evidence."
     )

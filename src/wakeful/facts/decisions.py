@@ -28,6 +28,26 @@ class Gate(Fact, frozen=True):
     trust_limit: float
 
 
+class Audit(Fact, frozen=True):
+    """What the guarantee gate did with one event that could be automatic.
+
+    ``score`` is the probability with which the model holds its answer, treatment and forecast together, to be right. ``level`` is
+    what it had to reach to be automatic, above 1 where nothing was certified. ``probability`` is that with which the event was
+    drawn for its outcome to count as evidence, ``drawn`` whether it was. ``alpha`` is the risk that was promised.
+    """
+
+    score: float
+    level: float
+    probability: float
+    drawn: bool
+    alpha: float
+
+    @property
+    def automatic(self) -> bool:
+        """Whether the score allowed automation."""
+        return self.score >= self.level
+
+
 class Decision(Fact, frozen=True):
     """(treatment, mode, confidence, candidates, reasons, model version) made for one event."""
 
@@ -44,3 +64,5 @@ class Decision(Fact, frozen=True):
     """How many experiences the model version had learned from."""
     rests_on: tuple[int, ...] = ()
     """Ids of the nearest experiences."""
+    audit: Audit | None = None
+    """What the guarantee gate did; None under the other gates, and for what novelty, trust or lack of experience held back."""

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from wakeful.facts.values import Fact
+
+Gating = Literal["benefit", "threshold", "guarantee"]
+"""By what rule a treatment may be executed automatically."""
 
 
 class MindSettings(Fact, frozen=True):
@@ -16,9 +21,15 @@ class MindSettings(Fact, frozen=True):
     once, the others queue by priority (0: no limit). ``keep_events``: completed events kept in memory for late outcomes and
     reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the
     share of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
-    ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
+    ``consult``: in delib mode treatments put typed questions of their own to the reasoner, beside the one that chooses the
+    treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
     processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
     crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt.
+
+    ``gate`` says when a treatment may be automatic: ``benefit``, where deliberation would do no better; ``threshold``, from
+    the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
+    with probability 1 − ``delta``. Under the last, outcomes count as evidence only for events that were drawn for an audit,
+    automatic ones with probability ``audit_rate``.
     """
 
     slots: int = 1
@@ -34,5 +45,10 @@ class MindSettings(Fact, frozen=True):
     reopen_limit: int = 8
     keep_events: int = 10_000
     nearest: int = 3
+    consult: bool = False
     primary_share: float = 0.0
     primary_quantum_s: float = 0.1
+    gate: Gating = "benefit"
+    alpha: float = 0.05
+    delta: float = 0.05
+    audit_rate: float = 0.2

@@ -8,11 +8,13 @@ from typing import Final, Literal
 import msgspec
 
 from wakeful.contracts.learner import Estimate, Learner, Predictor
-from wakeful.facts.decisions import Candidate, Decision, Gate, Mode
+from wakeful.facts.choices import guaranteed
+from wakeful.facts.decisions import Audit, Candidate, Decision, Gate, Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.experience import ModelCard
 from wakeful.selection.features import Encoder, Vector
+from wakeful.selection.guarantee import Guarantee
 from wakeful.selection.guidelines import Advice, advise, expected
 
 POOLED: Final = "*"
@@ -50,13 +52,22 @@ class Selector:
         treatments: all registered treatments, in a fixed order; ``spec.treatments`` may allow fewer.
         learner: loads the weights that ``use`` is given.
         settings: the gate.
+        guarantee: the guarantee gate, which then takes the place of the thresholds of confidence; None for the others.
 
     Raises:
         ValueError: the domain allows none of the registered treatments.
     """
 
-    def __init__(self, spec: DomainSpec, treatments: tuple[str, ...], learner: Learner, settings: SelectionSettings) -> None:
+    def __init__(
+        self,
+        spec: DomainSpec,
+        treatments: tuple[str, ...],
+        learner: Learner,
+        settings: SelectionSettings,
+        guarantee: Guarantee | None = None,
+    ) -> None:
         self.spec = spec
+        self._guarantee = guarantee
         self.settings = settings
         self.encoder = Encoder(spec, treatments)
         self.allowed = tuple(name for name in treatments if not spec.treatments or name in spec.treatments)
@@ -173,7 +184,11 @@ class Selector:
             chosen = ranked[0].treatment
             reasons = [_said(ranked, card)]
         gate = self._gate(ranked[0].probability, self._threshold(card, chosen), novelty, trust.get(chosen, 1.0))
-        mode, why = self._mode(chosen, gate, prior, card)
+        audit: Audit | None = None
+        if self._guarantee is None:
+            mode, why = self._mode(chosen, gate, prior, card)
+        else:
+            mode, why, audit = self._guaranteed(self._guarantee, event, chosen, gate, prior, card)
         return Decision(
             treatment=chosen,
             mode=mode,
@@ -185,12 +200,25 @@ class Selector:
             model=card.version,
             watermark=watermark,
             rests_on=nearest,
+            audit=audit,
         )
 
-    def _mode(self, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard) -> tuple[Mode, list[str]]:
-        """How: unfamiliar leads to fallback, doubt to deliberation, and only what is neither is automatic."""
+    def _guaranteed(
+        self, guarantee: Guarantee, event: Event, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard
+    ) -> tuple[Mode, list[str], Audit | None]:
+        """How, under the guarantee gate: what is unfamiliar, untrusted or unheard of is no candidate, the rest is up to it."""
+        held_back = self._unfit(chosen, gate, card)
+        if held_back:
+            return ("fallback" if gate.novelty > gate.novelty_limit else "delib"), held_back, None
+        _, confidence = _likeliest(prior)
+        audit = guarantee.rule(event.id, chosen, card.version, gate.confidence * confidence)
+        deliberated = audit.drawn and guarantee.settings.audit_by == "deliberation"
+        return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(chosen, audit, deliberated)], audit
+
+    def _unfit(self, chosen: str, gate: Gate, card: ModelCard) -> list[str]:
+        """What keeps the event from being automatic, whatever the confidence; empty where nothing does."""
         if gate.novelty > gate.novelty_limit:
-            return "fallback", [
+            return [
                 f"Unlike anything experienced so far: novelty {gate.novelty:.3f} is above {gate.novelty_limit:g}, "
                 "so the treatment is provisional."
             ]
@@ -202,21 +230,28 @@ class Selector:
                 if support
                 else f"No experience of {chosen} has been validated yet."
             )
+        if gate.trust < gate.trust_limit:
+            doubts.append(f"Trust in {chosen} is {gate.trust:.2f} after contradictions, below {gate.trust_limit:g}.")
+        return doubts
+
+    def _mode(self, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard) -> tuple[Mode, list[str]]:
+        """How: unfamiliar leads to fallback, doubt to deliberation, and only what is neither is automatic."""
+        doubts = self._unfit(chosen, gate, card)
+        if gate.novelty > gate.novelty_limit:
+            return "fallback", doubts
         if gate.confidence < gate.threshold:
             doubts.append(_below("The confidence in the treatment", gate.confidence, gate.threshold))
         label, confidence = _likeliest(prior)
         needed = self._threshold(card, RESULT)
         if confidence < needed:
             doubts.append(_below(f"The forecast {label!r}", confidence, needed))
-        if gate.trust < gate.trust_limit:
-            doubts.append(f"Trust in {chosen} is {gate.trust:.2f} after contradictions, below {gate.trust_limit:g}.")
         if doubts:
             return "delib", doubts
         return "auto", [
             f"Automatic: confidence {gate.confidence:.3f} (at least {gate.threshold:.2f}), "
             f"forecast {label!r} with {confidence:.3f} (at least {needed:.2f}), "
             f"novelty {gate.novelty:.3f} (at most {gate.novelty_limit:g}), "
-            f"trust {gate.trust:.2f} (at least {gate.trust_limit:g}), {support} validated experiences."
+            f"trust {gate.trust:.2f} (at least {gate.trust_limit:g}), {card.support.get(chosen, 0)} validated experiences."
         ]
 
     def _advised(self, advice: Advice) -> tuple[str, list[str]]:

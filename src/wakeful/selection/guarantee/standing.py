@@ -1,0 +1,145 @@
+"""How one treatment stands with the guarantee: its evidence, its certificate, and the watch over it."""
+
+from __future__ import annotations
+
+import msgspec
+import numpy as np
+
+from wakeful.facts.lines import Certified
+from wakeful.selection.guarantee.bets import LEVELS, Flags, Tally, proven
+from wakeful.selection.guarantee.bounds import clopper_pearson
+from wakeful.selection.guarantee.in_order import InOrder, Waiting
+from wakeful.selection.guarantee.settings import GuaranteeSettings
+from wakeful.selection.guarantee.watch import step
+
+NOTHING = 1.01
+"""The level of a treatment that nothing is certified of: no score reaches it."""
+
+
+class Counted(msgspec.Struct):
+    """What was decided for a treatment, all model versions together, and what came of it."""
+
+    decided: int = 0
+    """Events that could be automatic, had the gate allowed."""
+    automatic: int = 0
+    drawn: int = 0
+    validated: int = 0
+    """Automatic events whose outcome the world or a person decided."""
+    wrong: int = 0
+    """Of these, those whose answer was wrong."""
+    audited: int = 0
+    """Automatic events that were drawn, with a decided outcome: a sample of all of them, drawn blindly."""
+    audited_wrong: int = 0
+    unknown: int = 0
+    """Drawn events whose outcome nobody decided."""
+    awaiting: int = 0
+    """Automatic events whose outcome may still come."""
+
+    def begin(self, waiting: Waiting) -> None:
+        """An event was decided."""
+        self.decided += 1
+        self.drawn += waiting.drawn
+        self.automatic += waiting.automatic
+        self.awaiting += waiting.automatic
+
+    def end(self, waiting: Waiting) -> None:
+        """Its outcome is known, or will not be."""
+        known = waiting.wrong is not None
+        self.unknown += waiting.drawn and not known
+        if waiting.automatic:
+            self.awaiting -= 1
+            self.validated += known
+            self.wrong += bool(waiting.wrong)
+            self.audited += waiting.drawn and known
+            self.audited_wrong += waiting.drawn and bool(waiting.wrong)
+
+
+class Standing:
+    """One treatment's part of the guarantee. Changed by what is applied, never by asking."""
+
+    def __init__(self, settings: GuaranteeSettings) -> None:
+        self.settings = settings
+        self.model = 0
+        self.number = 1
+        self.certificate: Certified | None = None
+        self.revoked = ""
+        self.counted = Counted()
+        self.begin(0)
+
+    def begin(self, model: int) -> None:
+        """Another model version decides, or a certificate was revoked: evidence begins anew."""
+        self.model = model
+        self.tally = Tally()
+        self.reached: Flags = np.zeros(len(LEVELS), dtype=np.bool_)
+        self.events, self.known, self.errors = 0, 0, 0
+        self.audited = np.zeros(())
+        self.seen = np.zeros(())
+        self.waiting = InOrder()
+
+    @property
+    def level(self) -> float:
+        """The score from which the treatment is automatic. A certificate of more risk than is allowed now counts for nothing."""
+        held = self.certificate
+        return held.level if held is not None and held.alpha <= self.settings.alpha else NOTHING
+
+    def take(self, waiting: Waiting) -> None:
+        """Count one event as evidence; its turn has come.
+
+        An undrawn event counts as one without an error, by the same right by which a drawn one's error counts for more; a drawn
+        one whose outcome is unknown as an error, unless the settings leave it out.
+        """
+        own = self.settings
+        if waiting.drawn and waiting.wrong is None and own.unknown == "left out":
+            return
+        wrong = waiting.wrong if waiting.wrong is not None else waiting.drawn
+        place = np.asarray(waiting.place)
+        drawn_wrong = np.asarray(waiting.drawn and wrong)
+        self.events += 1
+        self.known += waiting.drawn
+        self.errors += waiting.drawn and wrong
+        self.tally.count(place, drawn_wrong, waiting.probability)
+        delta = own.delta_of(self.number)
+        self.reached |= self.tally.log_capital(own.alpha) >= -np.log(delta)
+        if self.certificate is not None:
+            shown = drawn_wrong & waiting.automatic
+            self.audited = step(self.audited, shown, waiting.probability, own.alpha, own.to)
+            self.seen = step(self.seen, np.asarray(wrong and waiting.automatic), 1.0, own.alpha, own.to)
+
+    @property
+    def earned(self) -> float:
+        """The loosest level that the evidence certifies; ``NOTHING`` where it certifies none."""
+        count = int(proven(self.reached))
+        return LEVELS[count - 1] if count else NOTHING
+
+    @property
+    def alarm(self) -> str:
+        """Why the watch wants the certificate revoked; empty where it does not."""
+        limit = float(np.log(self.settings.patience))
+        if float(self.audited) >= limit:
+            return "audited automatic answers were wrong more often than was promised"
+        if float(self.seen) >= limit:
+            return "automatic answers were seen to be wrong more often than was promised"
+        return ""
+
+    @property
+    def bound(self) -> float:
+        """The risk now: an upper bound at every time at once, at the level in force (the strictest where none is)."""
+        place = LEVELS.index(self.level) if self.level in LEVELS else 0
+        return float(self.tally.bound(self.settings.delta_of(self.number))[place])
+
+    @property
+    def needed(self) -> int:
+        """How many more events without an error certify the next level; 0 where all are certified."""
+        count = int(proven(self.reached))
+        if count == len(LEVELS):
+            return 0
+        return self.tally.more_needed(count, self.settings.alpha, self.settings.delta_of(self.number))
+
+    @property
+    def conditional(self) -> tuple[float, float] | None:
+        """P(wrong | automatic) as drawn blindly: the share seen, and its upper bound for one look; None where none was."""
+        counted = self.counted
+        if not counted.audited:
+            return None
+        share = counted.audited_wrong / counted.audited
+        return share, clopper_pearson(counted.audited_wrong, counted.audited, self.settings.delta)
