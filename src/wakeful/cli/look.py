@@ -17,6 +17,7 @@ from wakeful.journal.wording.waiting import deadline_words
 from wakeful.journal.wording.words import count, duration, instant
 
 
+
 #: Of each kind of thing to look at so many processes are named; `--json` names all.
 NAMES_SHOWN = 20
 
@@ -47,7 +48,7 @@ def _print_named(found: list[Named]) -> None:
         whom = [f"P{process}" for process in each.processes] or [event[:10] for event in each.events]
         shown = ", ".join(whom[:NAMES_SHOWN]) + (f" and {len(whom) - NAMES_SHOWN} more" if len(whom) > NAMES_SHOWN else "")
         still = f" ({each.open:,} still open)" if each.open else ""
-        paragraph(f"{len(whom):,} {each.means}{still}: {shown}" if whom else each.means, indent=2, hang=2)
+        paragraph(f"{len(whom):,} {each.means}{still}: {shown}" if whom else each.means, 2, 2)
 
 
 def _sources(read: History) -> list[str]:

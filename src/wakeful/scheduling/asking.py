@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import msgspec
 
 from wakeful.facts.asking import Kind, Reply
@@ -42,14 +44,18 @@ class Asking:
 
     # --- requests ---
 
-    def ask(self, process: Process, want: Want) -> Answered | None:
-        """Record the request; answer it at once where that can be done, else (None) the process waits."""
+    def ask(self, process: Process, want: Want, readable: Callable[[Want, Answered], bool]) -> Answered | None:
+        """Record the request; answer it at once where that can be done, else (None) the process waits.
+
+        What an earlier attempt was answered is the answer again, where today's code can read it (``readable``).
+        """
         pending = process.pending
         fresh = pending is None
         if pending is None:
             pending = self._asked(process, want)
             self._host.write(pending)
-            if process.base_seq and (known := recorded_before(process, pending)) is not None:
+            known = recorded_before(process, pending) if process.base_seq else None
+            if known is not None and readable(want, known):
                 process.want = want
                 return self._at_once(pending, known.value, known.error)
         process.want = want

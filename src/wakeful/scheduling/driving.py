@@ -131,6 +131,14 @@ class Coroutines:
             case _:
                 return None
 
+    def readable(self, want: Want, answered: Answered) -> bool:
+        """Whether today's code can read a recorded answer to that request."""
+        try:
+            self._value(want, answered)
+        except Exception:  # as in ``answer``: whatever decoding or the registry raises
+            return bool(answered.error)
+        return True
+
     def knows(self, treatment: str) -> bool:
         """Whether there is a treatment of that name."""
         try:

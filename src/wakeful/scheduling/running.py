@@ -92,7 +92,7 @@ class Running:
 
     def _ask(self, process: Process, want: Want) -> Step | None:
         fresh = process.pending is None
-        answered = self._asking.ask(process, want)
+        answered = self._asking.ask(process, want, self._coroutines.readable)
         if answered is not None:
             return self._attempt(process, lambda: self._coroutines.answer(process, want, answered))
         if fresh and want.kind is Kind.TREAT:
