@@ -44,6 +44,10 @@ class Mind(Protocol):
         """What deliberation said when the treatment was chosen, in delib mode."""
 
     @property
+    def consults(self) -> bool:
+        """Whether a treatment may put questions of its own to the reasoner: in delib mode, where the mind's settings say so."""
+
+    @property
     def now_s(self) -> float:
         """Kernel time of the last recorded answer (at first: of the event's arrival), in seconds.
 

@@ -28,6 +28,16 @@ class Proposal(Fact, frozen=True):
     valid_until_ns: int | None = None
 
 
+class Consulted(Fact, frozen=True):
+    """What a treatment's own question to the reasoner brought. ``used``: its answer passed the check against the domain."""
+
+    about: str
+    used: bool
+    why: str
+    who: str = ""
+    said: str = ""
+
+
 class Result(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="type"):
     """Base of every treatment's result; a treatment subclasses it with its own typed fields.
 
@@ -41,6 +51,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_
     would_change: tuple[str, ...] = ()
     forecast: Forecast | None = None
     proposes: tuple[Proposal, ...] = ()
+    consulted: Consulted | None = None
 
 
 class Unresolved(Result, frozen=True, kw_only=True, tag="unresolved"):

@@ -45,12 +45,16 @@ class Coroutines:
         treatment: finds a treatment by name; raises KeyError where there is none.
         spec: the domain's data, for every mind.
         options: the treatments among which deliberation may choose.
+        consults: whether treatments may put questions of their own to the reasoner.
     """
 
-    def __init__(self, treatment: Callable[[str], Treatment], spec: DomainSpec, options: tuple[str, ...]) -> None:
+    def __init__(
+        self, treatment: Callable[[str], Treatment], spec: DomainSpec, options: tuple[str, ...], consults: bool = False
+    ) -> None:
         self._treatment = treatment
         self._spec = spec
         self._options = options
+        self._consults = consults
         self.page: Page = bytearray(MARKED)
 
     def rebuild(self, process: Process, steps: int) -> Step:
@@ -65,7 +69,9 @@ class Coroutines:
         first = process.first_of_attempt
         if first is None:
             raise Mismatch("the process has no decision")
-        mind = KernelMind(first.mode, first, lambda: process.decision or first, self._spec, lambda: process.heard_ns)
+        mind = KernelMind(
+            first.mode, first, lambda: process.decision or first, self._spec, lambda: process.heard_ns, self._consults
+        )
         chosen = process.parent != 0
         process.heard_ns = process.arrived_ns
         process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)

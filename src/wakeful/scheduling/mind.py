@@ -33,6 +33,7 @@ class KernelMind:
         current: gives the decision in force, which deliberation may have revised.
         domain: the domain's data.
         clock: kernel time in nanoseconds of the last recorded answer.
+        consults: whether treatments may put questions of their own to the reasoner.
     """
 
     def __init__(
@@ -42,12 +43,14 @@ class KernelMind:
         current: Callable[[], Decision],
         domain: DomainSpec,
         clock: Callable[[], int],
+        consults: bool = False,
     ) -> None:
         self._mode = mode
         self._decision = decision
         self._current = current
         self._domain = domain
         self._clock = clock
+        self._consults = consults
         self._advice: Reply | None = None
 
     @property
@@ -69,6 +72,11 @@ class KernelMind:
     def advice(self) -> Reply | None:
         """What deliberation said when the treatment was chosen."""
         return self._advice
+
+    @property
+    def consults(self) -> bool:
+        """Whether a treatment may put questions of its own to the reasoner."""
+        return self._consults and self._mode == "delib"
 
     def advise(self, reply: Reply) -> None:
         """Take the reasoner's answer as advice."""

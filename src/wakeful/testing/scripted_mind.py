@@ -28,7 +28,8 @@ class Script(msgspec.Struct, frozen=True, kw_only=True):
     """What a scripted mind knows and answers. Empty: nothing is remembered, nobody answers, every wait expires.
 
     ``evidence`` arrives at its ``at_ns`` by kernel time. ``replies`` are a reasoner's by the question's ``about``, ``people`` a
-    person's by role, ``children`` treatments by name. ``now_s`` is when the treatment starts, ``step_s`` what a step takes.
+    person's by role, ``children`` treatments by name. ``now_s`` is when the treatment starts, ``step_s`` what a step takes;
+    ``consults``: treatments may put questions of their own.
     """
 
     prior: dict[str, float] = {}
@@ -40,6 +41,7 @@ class Script(msgspec.Struct, frozen=True, kw_only=True):
     children: Mapping[str, Treatment] = {}
     now_s: float = 0.0
     step_s: float = 0.0
+    consults: bool = False
 
 
 class Request(msgspec.Struct, frozen=True, kw_only=True):
@@ -122,6 +124,11 @@ class ScriptedMind:
     def advice(self) -> Reply | None:
         """The script's advice, in delib mode."""
         return self.script.advice if self._mode == "delib" else None
+
+    @property
+    def consults(self) -> bool:
+        """As the script says, in delib mode."""
+        return self.script.consults and self._mode == "delib"
 
     @property
     def now_s(self) -> float:

@@ -134,7 +134,8 @@ def _check_repeatable(
         except Evicted:
             continue
         raise ContractBroken(f"{where}: over {stop} recorded answers it ended, which it had not done at first")
-    rebuilt = ScriptedMind(domain, mode, Script(now_s=script.now_s, prior=script.prior, advice=script.advice), recorded)
+    told = Script(now_s=script.now_s, prior=script.prior, advice=script.advice, consults=script.consults)
+    rebuilt = ScriptedMind(domain, mode, told, recorded)
     require(rebuilt.run(treatment, event) == result, f"{where}: over its recorded answers it came to another result")
     require(len(rebuilt.exchanges) == len(recorded), f"{where}: over its recorded answers it stopped asking early")
 

@@ -10,6 +10,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.beta import Belief
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import number, significant
@@ -46,6 +47,12 @@ class Case(Fact, frozen=True):
     verdict: str = ""
 
 
+class Likest(Fact, frozen=True):
+    """A reasoner's analogy: the case that this is most like in what matters."""
+
+    case: str
+
+
 class Analogy(Result, frozen=True, kw_only=True, tag="analogy"):
     """The nearest cases, what transfers, and how far to trust it."""
 
@@ -79,6 +86,20 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     await mind.work(1)
     cases = tuple(sorted((_case(event, mind, episode) for episode in found), key=lambda case: (-case.worth, case.event)))
     near = [case for case in cases if case.worth >= settings.near]
+    known = {case.event for case in near}
+    said = await consult(
+        event,
+        mind,
+        "analogy",
+        "Which of these known cases, by its id, is this event most like in what matters for how it should be treated?",
+        Likest,
+        lambda likest: "" if likest.case in known else f"case {likest.case[:60]!r} is not among those near enough",
+        found,
+        sorted(known),
+    )
+    if said.answer is not None:
+        likest = said.answer.case
+        near.sort(key=lambda case: case.event != likest)
     treat_as = _serves(near)
     belief = _wrong(near, settings)
     low, high = belief.interval(settings.mass)
@@ -92,9 +113,15 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
             mind, subject(event), _nearest(nearest, cases), _treat(treat_as, belief.mean, low, high, ended), expectation(forecast)
         ),
         confidence=sure(mind, NOTHING_TO_GO_ON if nearest is None else nearest.worth * (1.0 - belief.mean)),
-        rests_on=(f"event {event.id}", *resting(by_event[case.event] for case in near), *forecast_reasons(mind, [voice])),
+        rests_on=(
+            f"event {event.id}",
+            *resting(by_event[case.event] for case in near),
+            *forecast_reasons(mind, [voice]),
+            *said.basis,
+        ),
         would_change=_would_change(near, nearest),
         forecast=forecast,
+        consulted=said.consulted,
         cases=cases,
         transfers=() if nearest is None else nearest.overlap.shared,
         does_not_transfer=() if nearest is None else (*nearest.overlap.differing, *nearest.overlap.lacking),

@@ -12,6 +12,7 @@ from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
 from wakeful.treatments.causal_effect import Effect, effect_of
 from wakeful.treatments.causal_graph import Arrow, arrows_of, chains, out_of
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
@@ -45,6 +46,12 @@ class Candidate(Fact, frozen=True):
     chain: tuple[str, ...]
     effect: Effect
     because: str = ""
+
+
+class Blamed(Fact, frozen=True):
+    """A reasoner's pick: the earlier event that most likely brought this about."""
+
+    event: str
 
 
 class CausalAnalysis(Result, frozen=True, kw_only=True, tag="causal_analysis"):
@@ -88,7 +95,18 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
     best: dict[str, Candidate] = {}
     for candidate in sorted(found, key=lambda each: (-each.score, each.before_s, each.event)):
         best.setdefault(candidate.event, candidate)
-    candidates = tuple(best.values())
+    said = await consult(
+        event,
+        mind,
+        "causal_analysis",
+        "Which of these earlier events, by its id, most likely brought this one about?",
+        Blamed,
+        lambda blamed: "" if blamed.event in best else f"{blamed.event[:60]!r} is no event that came before it in time",
+        [episode for kind in wanted for episode in seen[kind].episodes if episode.event in best],
+        best,
+    )
+    blamed = said.answer.event if said.answer is not None else ""
+    candidates = tuple(sorted(best.values(), key=lambda each: each.event != blamed)) if blamed else tuple(best.values())
     other = prod(1.0 - candidate.score for candidate in candidates)
     leads = {arrow.effect: significant(arrow.strength) for arrow in reversed(out_of(arrows, event.kind))}
     voices = [
@@ -105,9 +123,11 @@ async def trace(event: Event, mind: Mind, settings: CausalSettings) -> CausalAna
             *dict.fromkeys(f"causal graph: {' → '.join(candidate.chain)}" for candidate in candidates),
             *(f"event {candidate.event}" for candidate in candidates[:NAMED]),
             *forecast_reasons(mind, voices),
+            *said.basis,
         ),
         would_change=(question, *(f"an earlier {kind.replace('_', ' ')}" for kind in wanted if not seen[kind].episodes)),
         forecast=forecast,
+        consulted=said.consulted,
         candidates=candidates,
         other=significant(other),
         question=question,

@@ -11,6 +11,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact, Field
 from wakeful.treatments.change import change_point, cliffs_delta, robust_z
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import measured, number, numbers, plain, significant
@@ -51,6 +52,12 @@ class Row(Fact, frozen=True):
     unusual: bool = False
 
 
+class Telling(Fact, frozen=True):
+    """A reasoner's pick: the attribute whose difference matters."""
+
+    attribute: str
+
+
 class Comparison(Result, frozen=True, kw_only=True, tag="comparison"):
     """The table, the most unusual rows first."""
 
@@ -86,6 +93,20 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
     )
     unusual = tuple(row.name for row in rows if row.unusual)
     compared = [row for row in rows if row.own_count or row.peers_count]
+    telling = {row.name for row in compared}
+    said = await consult(
+        event,
+        mind,
+        "comparison",
+        "Which of these attributes differs in a way that matters?",
+        Telling,
+        lambda pick: "" if pick.attribute in telling else f"{pick.attribute[:60]!r} was not compared with anything",
+        own,
+        sorted(telling),
+    )
+    if said.answer is not None:
+        first = said.answer.attribute
+        rows.sort(key=lambda row: row.name != first)
     voice = recalled_voice(mind, event, [*own, *peers], ranked=False)
     forecast = pooled(mind, event, [voice])
     entities = tuple(dict.fromkeys(brief(episode.entity) for episode in peers))
@@ -98,9 +119,11 @@ async def compare(event: Event, mind: Mind, settings: ComparisonSettings) -> Com
             f"event {event.id}",
             *resting((*own, *peers)),
             *forecast_reasons(mind, [voice]),
+            *said.basis,
         ),
         would_change=_would_change(event, rows, len(own), len(peers)),
         forecast=forecast,
+        consulted=said.consulted,
         rows=tuple(rows),
         past=len(own),
         peers=len(peers),

@@ -8,6 +8,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event, Relation
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact, Field
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import number, plain
@@ -46,6 +47,12 @@ class SceneEntry(Fact, frozen=True):
     """Whose usual it is: the entity's own, or that of like cases."""
 
 
+class Notable(Fact, frozen=True):
+    """A reasoner's pick: the attributes that are worth saying first."""
+
+    attributes: tuple[str, ...]
+
+
 class Description(Result, frozen=True, kw_only=True, tag="description"):
     """What is there, and what is normal here."""
 
@@ -67,6 +74,20 @@ async def description(event: Event, mind: Mind) -> Description:
         for name, value in event.fields.items()
     )
     odd = [attribute for attribute in attributes if attribute.as_usual is False]
+    names = {attribute.name for attribute in attributes}
+    said = await consult(
+        event,
+        mind,
+        "description",
+        f"Which attributes of this scene are most worth saying, at most {NAMED}, the most important first?",
+        Notable,
+        lambda notable: _unsayable(notable, names),
+        past,
+        sorted(names),
+    )
+    if said.answer is not None:
+        order = {name: place for place, name in enumerate(said.answer.attributes)}
+        attributes = tuple(sorted(attributes, key=lambda attribute: order.get(attribute.name, len(order))))
     voice = recalled_voice(mind, event, past, ranked=not own)
     forecast = pooled(mind, event, [voice])
     scene = SceneEntry(
@@ -93,13 +114,14 @@ async def description(event: Event, mind: Mind) -> Description:
             expectation(forecast),
         ),
         confidence=sure(mind, confidence),
-        rests_on=(f"event {event.id}", *resting(past), *forecast_reasons(mind, [voice])),
+        rests_on=(f"event {event.id}", *resting(past), *forecast_reasons(mind, [voice]), *said.basis),
         would_change=(
             *(f"{worded(a.name, a.usual)}, as usual" for a in odd),
             *(() if past else (f"sightings that show {usual}",)),
         )
         or ("a value outside what is usual here",),
         forecast=forecast,
+        consulted=said.consulted,
         scene=scene,
     )
 
@@ -116,6 +138,17 @@ def _attribute(name: str, value: Field, past: list[Field], domain: DomainSpec) -
         known = [each for each in (number(item) for item in past) if each is not None]
         as_usual = bool(known) and min(known) <= (number(value) or 0.0) <= max(known)
     return Attribute(name=name, value=plain(value), usual=usual, as_usual=as_usual)
+
+
+def _unsayable(notable: Notable, names: set[str]) -> str:
+    unknown = [name for name in notable.attributes if name not in names]
+    if unknown:
+        return f"the event has no attribute {unknown[0][:60]!r}"
+    return (
+        ""
+        if 1 <= len(notable.attributes) <= NAMED
+        else f"it names {len(notable.attributes)} attributes, 1 to {NAMED} were asked for"
+    )
 
 
 def _what(event: Event, scene: SceneEntry) -> str:

@@ -12,6 +12,7 @@ from wakeful.facts.results import Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.checking import Check, most_telling, take_in
+from wakeful.treatments.consulting import Consultation, consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
@@ -38,6 +39,8 @@ class DiagnosisSettings(Fact, frozen=True):
     """Other events of the robot within so many outcome windows of this one count as symptoms of the same fault."""
     episodes: int = 12
     cases: int = 8
+    reasoner_odds: float = 3.0
+    """By how much the odds of the fault that a reasoner names are raised, once its answer has passed the check."""
 
 
 class Suspect(Fact, frozen=True):
@@ -52,6 +55,12 @@ class Suspect(Fact, frozen=True):
     missing: tuple[str, ...] = ()
     check: str = ""
     remedy: str = ""
+
+
+class Suspected(Fact, frozen=True):
+    """A reasoner's suspicion: a fault of the table."""
+
+    fault: str
 
 
 class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
@@ -105,7 +114,27 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
         recent = await _recent(event, mind, settings)
         known = {**findings(mind.domain.fault, event, recent), **known}
 
-    return _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard))
+    said = await _suspicion(event, mind, network, known, past)
+    return _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard), said)
+
+
+async def _suspicion(
+    event: Event, mind: Mind, network: Network, known: Mapping[str, bool], past: Sequence[Episode]
+) -> Consultation[Suspected]:
+    """Which fault a reasoner suspects: one of the table that brings about a sign that was seen."""
+    names = {fault.name: fault for fault in network.faults}
+
+    def objection(suspected: Suspected) -> str:
+        fault = names.get(suspected.fault)
+        if fault is None:
+            return f"there is no fault {suspected.fault[:60]!r} in the table"
+        return "" if any(known.get(symptom) for symptom in fault.causes) else f"{fault.name} causes none of the signs seen"
+
+    if not names or not any(known.values()):
+        return Consultation()
+    seen = ", ".join(symptom for symptom, there in known.items() if there)
+    asks = f"Which of these faults most likely explains the signs seen ({seen})?"
+    return await consult(event, mind, "diagnosis", asks, Suspected, objection, past, names)
 
 
 async def _recent(event: Event, mind: Mind, settings: DiagnosisSettings) -> tuple[Episode, ...]:
@@ -135,8 +164,12 @@ def _conclude(
     past: Sequence[Episode],
     asked: tuple[str, ...],
     heard: tuple[str, ...],
+    said: Consultation[Suspected],
 ) -> Diagnosis:
     posterior = network.posterior(known)
+    if said.answer is not None:
+        odds = settings.reasoner_odds * posterior[said.answer.fault]
+        posterior[said.answer.fault] = odds / (odds + 1.0 - posterior[said.answer.fault])
     every = [_suspect(event, fault, posterior[fault.name], known) for fault in network.faults]
     suspects = tuple(sorted(every, key=lambda each: (not each.explains, -each.posterior, each.fault)))
     shown = tuple(symptom for symptom, seen in known.items() if seen)
@@ -154,10 +187,12 @@ def _conclude(
             *resting(episode for episode in recent if episode.kind in known),
             *heard,
             *forecast_reasons(mind, voices),
+            *said.basis,
         ),
         would_change=_would_change(top, check, mind),
         forecast=forecast,
         proposes=_proposal(event, mind, top if settled else None),
+        consulted=said.consulted,
         suspects=suspects if shown else (),
         unexplained=significant(network.unexplained(known)) if shown else 1.0,
         findings=dict(known),

@@ -7,6 +7,7 @@ from wakeful.facts.asking import Episode
 from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Fact
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.measures import measured, significant
@@ -39,6 +40,12 @@ class MemorySettings(Fact, frozen=True):
     """A memory that was never refreshed is worth half after so long; each further sighting makes it last as much longer."""
 
 
+class SameAs(Fact, frozen=True):
+    """A reasoner's recognition: the recalled case that this is the same happening as."""
+
+    case: str
+
+
 class Memory(Result, frozen=True, kw_only=True, tag="memory"):
     """The event beside what is remembered of its entity and of like events."""
 
@@ -51,6 +58,8 @@ class Memory(Result, frozen=True, kw_only=True, tag="memory"):
     """How much of the memory may still hold, in [0, 1]: the forgetting curve at the age of the last sighting."""
     differs: tuple[Difference, ...] = ()
     unchanged: tuple[str, ...] = ()
+    same_as: str = ""
+    """The recalled case that a reasoner took this for, where it was asked."""
     happened: int = 0
     endings: tuple[Ending, ...] = ()
 
@@ -74,8 +83,22 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     await mind.work(1)
     past = await of_entity(event, mind, settings.sightings)
     limit = settings.cases_deliberating if mind.mode == "delib" else settings.cases
-    alike = [case for case in await similar(event, mind, limit) if _same_happening(event, case, mind, settings)]
+    like = await similar(event, mind, limit)
+    alike = [case for case in like if _same_happening(event, case, mind, settings)]
     await mind.work(1)
+    recalled = {case.event: case for case in (*like, *past)}
+    said = await consult(
+        event,
+        mind,
+        "memory",
+        "Which of the recalled cases, by its id, is the same happening as this one?",
+        SameAs,
+        lambda same: "" if same.case in recalled else f"no case {same.case[:60]!r} was recalled",
+        (*like, *past),
+        recalled,
+    )
+    if said.answer is not None and all(case.event != said.answer.case for case in alike):
+        alike.append(recalled[said.answer.case])
 
     same_kind = [episode for episode in past if episode.kind == event.kind]
     differs = differences(event, same_kind, mind.domain.fields)
@@ -102,9 +125,12 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
             f"event {event.id}",
             *resting([*past, *alike]),
             *forecast_reasons(mind, [voice]),
+            *said.basis,
         ),
         would_change=_would_change(event, differs, alike, mind),
         forecast=forecast,
+        consulted=said.consulted,
+        same_as=said.answer.case if said.answer is not None else "",
         known=bool(past),
         sightings=len(past),
         last_seen=past[0].event if past else "",

@@ -10,11 +10,12 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast, Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
+from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.procedure import Step, steps_for
 from wakeful.treatments.remembering import resting, similar
-from wakeful.treatments.routes import Trip, Way, graph_of, leg_name, trip_of, ways, without
+from wakeful.treatments.routes import Graph, Trip, Way, cost_of, graph_of, impassable, leg_name, trip_of, ways, without
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import brief, subject
 
@@ -25,6 +26,12 @@ class PlanningSettings(Fact, frozen=True):
     ways: int = 2
     ways_deliberating: int = 5
     cases: int = 6
+
+
+class Proposed(Fact, frozen=True):
+    """A reasoner's way, from start to goal by the graph's own names."""
+
+    nodes: tuple[str, ...]
 
 
 class Planning(Result, frozen=True, kw_only=True, tag="planning"):
@@ -73,6 +80,18 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
     left = without(graph, trip)
     count = settings.ways_deliberating if mind.mode == "delib" else settings.ways
     found = ways(left, trip.start, trip.goal, count)
+    asked = await consult(
+        event,
+        mind,
+        "planning",
+        f"Which way from {trip.start} to {trip.goal} should the robot take, as the list of nodes? Start and goal included.",
+        Proposed,
+        lambda way: impassable(left, way.nodes, trip),
+        past,
+        [leg_name(leg) for leg in left.edges],
+    )
+    if asked.answer is not None:
+        found = _with(found, asked.answer.nodes, left)
     before = ways(graph, trip.start, trip.goal, 1)
     blocked = (*trip.shut_nodes, *(leg_name(leg) for leg in trip.shut_legs))
     extra = round(found[0].cost - before[0].cost, 6) if found and before else None
@@ -81,10 +100,16 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
     return Planning(
         says=sentence(mind, subject(event), _found(trip, best, extra, blocked, len(found)), expectation(forecast)),
         confidence=sure(mind, 0.5 if trip.detour else 0.85),
-        rests_on=(f"event {event.id}", f"route graph of {mind.domain.name} version {mind.domain.version}", *reasons),
+        rests_on=(
+            f"event {event.id}",
+            f"route graph of {mind.domain.name} version {mind.domain.version}",
+            *reasons,
+            *asked.basis,
+        ),
         would_change=_would_change(trip, best, blocked),
         forecast=forecast,
         proposes=_proposal(event, mind, best, blocked),
+        consulted=asked.consulted,
         method="route",
         feasible=best is not None,
         start=trip.start,
@@ -96,6 +121,13 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
         extra_cost=extra,
         old_plan_fails=fails,
     )
+
+
+def _with(found: tuple[Way, ...], nodes: tuple[str, ...], left: Graph) -> tuple[Way, ...]:
+    """The ways with a reasoner's among them: it is the plan only where it costs no more than the cheapest that was found."""
+    if any(way.nodes == nodes for way in found):
+        return found
+    return tuple(sorted((*found, Way(nodes=nodes, cost=cost_of(left, nodes))), key=lambda way: way.cost))
 
 
 def _found(trip: Trip, best: Way | None, extra: float | None, blocked: tuple[str, ...], count: int) -> str:

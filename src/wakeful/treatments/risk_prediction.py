@@ -10,8 +10,9 @@ from wakeful.facts.events import Event
 from wakeful.facts.results import Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
+from wakeful.treatments.consulting import Consultation, consult
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.forecasting import expectation, forecast_reasons, model_voice, pooled, recalled_voice
+from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, worst
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
 from wakeful.treatments.measures import number
@@ -31,8 +32,17 @@ class RiskSettings(Fact, frozen=True):
     cases: int = 10
     cases_deliberating: int = 20
     propose_from: str = "serious"
+    reasoner_cases: float = 2.0
+    """How many cases a reasoner's likelihood of a hazard weighs, once its answer has passed the check."""
     wait_periods: float = 2.0
     """How many periods of an evidence source to wait for its next reading."""
+
+
+class Judged(Fact, frozen=True):
+    """A reasoner's judgement: a hazard of the table, and how likely it is to come true."""
+
+    hazard: str
+    likelihood: float
 
 
 class RiskPrediction(Result, frozen=True, kw_only=True, tag="risk_prediction"):
@@ -84,7 +94,12 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
         for label in shows_as(hazard, mind.domain)
         if hazard.name in open_now and len(shows_as(hazard, mind.domain)) == 1
     }
-    voices = [recalled_voice(mind, event, past), model_voice(mind.domain, "hazard table", told)]
+    judged = await _judgement(event, mind, past)
+    voices = [
+        recalled_voice(mind, event, past),
+        model_voice(mind.domain, "hazard table", told),
+        _reasoned(mind, judged, settings),
+    ]
     forecast = pooled(mind, event, voices)
     halves = _halves(top, askable(mind.domain, event))
     # sure of a risk is who has a narrow interval, whatever its middle
@@ -98,16 +113,42 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
             *resting(case for case in past if case.outcome),
             *heard,
             *forecast_reasons(mind, voices),
+            *judged.basis,
         ),
         would_change=(halves, *_unseen(past)),
         forecast=forecast,
         proposes=_proposals(event, mind, top, ahead, settings),
+        consulted=judged.consulted,
         hazards=rows,
         consequence=ahead,
         halves=halves,
         asked=tuple(asked),
         heard=tuple(heard),
     )
+
+
+async def _judgement(event: Event, mind: Mind, past: Sequence[Episode]) -> Consultation[Judged]:
+    """Which hazard a reasoner sees, and how likely: one of the table that shows itself as an outcome."""
+    shown = {hazard.name: shows_as(hazard, mind.domain) for hazard in mind.domain.hazard}
+
+    def objection(judged: Judged) -> str:
+        if judged.hazard not in shown:
+            return f"there is no hazard {judged.hazard[:60]!r} in the table"
+        return "" if 0.0 <= judged.likelihood <= 1.0 else f"a likelihood of {judged.likelihood} lies outside [0, 1]"
+
+    if not shown:
+        return Consultation()
+    asks = "Which of these hazards is most likely to come true within the window, and how likely is it, from 0 to 1?"
+    return await consult(event, mind, "risk_prediction", asks, Judged, objection, past, shown)
+
+
+def _reasoned(mind: Mind, judged: Consultation[Judged], settings: RiskSettings) -> Voice | None:
+    if judged.answer is None:
+        return None
+    hazard = next(each for each in mind.domain.hazard if each.name == judged.answer.hazard)
+    labels = shows_as(hazard, mind.domain)
+    chances = {label: judged.answer.likelihood / len(labels) for label in labels}
+    return model_voice(mind.domain, "reasoner on risk", chances, settings.reasoner_cases)
 
 
 def _of_its_own(event: Event, offers: Sequence[Askable]) -> Sequence[Askable]:

@@ -102,7 +102,7 @@ def ways(graph: Graph, start: str, goal: str, count: int) -> tuple[Way, ...]:
         return ()
     found = [tuple(str(node) for node in nodes) for nodes in islice(nx.shortest_simple_paths(graph, start, goal, "cost"), count)]
     depends = _indispensable(graph, found[0])
-    return tuple(Way(nodes=nodes, cost=_cost(graph, nodes), depends_on=depends if nodes == found[0] else ()) for nodes in found)
+    return tuple(Way(nodes=nodes, cost=cost_of(graph, nodes), depends_on=depends if nodes == found[0] else ()) for nodes in found)
 
 
 def leg_name(leg: Edge) -> str:
@@ -110,7 +110,18 @@ def leg_name(leg: Edge) -> str:
     return f"{leg[0]}–{leg[1]}"
 
 
-def _cost(graph: Graph, nodes: Iterable[str]) -> float:
+def impassable(graph: Graph, nodes: tuple[str, ...], trip: Trip) -> str:
+    """Why a way cannot be driven on the graph; empty where it can."""
+    if len(nodes) < 2 or (nodes[0], nodes[-1]) != (trip.start, trip.goal):
+        return f"it does not lead from {trip.start} to {trip.goal}"
+    if len(set(nodes)) < len(nodes):
+        return "it passes a node twice"
+    shut = next((leg for leg in pairwise(nodes) if not graph.has_edge(*leg)), None)
+    return "" if shut is None else f"there is no free leg {leg_name(shut)}"
+
+
+def cost_of(graph: Graph, nodes: Iterable[str]) -> float:
+    """What a way costs."""
     at = list(nodes)
     return significant(sum(graph.edges[leg]["cost"] for leg in pairwise(at)))
 
