@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from tests.cli.conftest import Wakeful
+from tests.journal.forging import spoil
 from wakeful.cli.main import main
 
 READERS = ("status", "events", "processes", "debt", "stats", "trust", "learning", "export", "audit", "trace", "timeline")
@@ -24,37 +25,32 @@ def _sunk(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def _spoilt(journal: Path, position: int, record: bytes | str) -> None:
-    db = apsw.Connection(str(journal))
-    if isinstance(record, bytes):
-        db.execute("UPDATE lines SET record = CAST(? AS TEXT) WHERE position = ?", (record, position))
-    else:
-        db.execute("UPDATE lines SET record = ? WHERE position = ?", (record, position))
-    db.close()
+#: What no journal writes, under its right digest, and something under a wrong one.
+SPOILT = [(b"\xc1", True), (b"\x92\xc4\x01\x01\x93\xc4\x02\xff\xff\x00\x90", True), (b"\x91\xa1x", False)]
 
 
 @pytest.mark.parametrize("command", READERS)
-@pytest.mark.parametrize("record", [b'{"is":"admitted","\xff\xfe', '{"is":"admitted"}', '{"is":"nothing known"}', "{"])
-def test_a_line_that_cannot_be_read_is_named(
-    wakeful: Wakeful, journal: Path, tmp_path: Path, command: str, record: bytes | str
+@pytest.mark.parametrize(("body", "sealed"), SPOILT)
+def test_a_row_that_cannot_be_read_is_named(
+    wakeful: Wakeful, journal: Path, tmp_path: Path, command: str, body: bytes, sealed: bool
 ) -> None:
-    _spoilt(journal, 9, record)
+    first, last = spoil(journal, 9, body, sealed=sealed)
     out = ("--out", tmp_path / "out.svg") if command in ("trace", "timeline") else ()
     result = wakeful(command, "--journal", journal, *out)
     assert result.exit_code == 1
     assert isinstance(result.exception, SystemExit)
-    assert "line 9 cannot be read" in result.output
+    assert f"the row of lines {first} to {last} cannot be read" in result.output
     assert "restore the file from a backup" in result.output
 
 
 def test_the_audit_reports_it_as_an_offence_in_json(wakeful: Wakeful, journal: Path) -> None:
-    _spoilt(journal, 9, b"\xff")
+    first, _ = spoil(journal, 9, b"\xff", sealed=False)
     result = wakeful("audit", "--journal", journal, "--json")
     assert result.exit_code == 1
     report = json.loads(result.stdout)
     assert report["ok"] is False
     assert report["checks"]["readable"]["ok"] is False
-    assert report["checks"]["readable"]["first_offender"]["position"] == 9
+    assert report["checks"]["readable"]["first_offender"]["position"] == first
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -76,12 +72,7 @@ def test_two_hundred_flipped_bytes_never_give_a_traceback(journal: Path, tmp_pat
 def test_going_on_with_a_damaged_journal_is_refused_in_one_line(wakeful: Wakeful, tmp_path: Path) -> None:
     path = tmp_path / "mind.db"
     assert wakeful("run", "service_robot", "--events", 3, "--journal", path).exit_code == 0
-    db = apsw.Connection(str(path))
-    ((position,),) = db.execute(
-        "SELECT min(position) FROM lines WHERE kind = 'answered' AND record LIKE '%deliberate%'"
-    ).fetchall()
-    db.execute("UPDATE lines SET record = replace(record, '\"choice\"', '\"chxice\"') WHERE position = ?", (position,))
-    db.close()
+    spoil(path, 9, b"\xc1", sealed=True)
     result = wakeful("run", "service_robot", "--events", 3, "--journal", path)
     assert result.exit_code == 1
     assert isinstance(result.exception, SystemExit)

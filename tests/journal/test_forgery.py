@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import apsw
-import msgspec
 import pytest
 from click.testing import CliRunner
 from msgspec.structs import replace
 
+from tests.journal.forging import lines_in, rewrite
 from wakeful.cli.main import main
 from wakeful.facts.experience import Verdict
 from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Decided, Gained, Judged, Line, Opened, Trusted, Witnessed
@@ -49,16 +49,14 @@ Forge = Callable[[AnyRecord], AnyRecord]
 
 def forge(path: Path, forged: Forge, most: int = 0) -> int:
     """Rewrite the records that ``forged`` changes, at most so many; returns how many."""
-    with open_journal(path, read_only=True) as opened:
-        pairs = [(line, forged(line.record)) for line in opened.lines()]
-    changed = [(line, record) for line, record in pairs if record is not line.record]
-    changed = changed[:most] if most else changed
-    db = apsw.Connection(str(path))
-    with db:
-        for line, record in changed:
-            db.execute("UPDATE lines SET record = ? WHERE position = ?", (msgspec.json.encode(record).decode(), line.position))
-    db.close()
-    return len(changed)
+    lines, changed = lines_in(path), 0
+    for place, line in enumerate(lines):
+        record = forged(line.record)
+        if record is not line.record and not (most and changed >= most):
+            lines[place] = Line(line.position, line.at_ns, record)
+            changed += 1
+    rewrite(path, lines)
+    return changed
 
 
 def run_sql(path: Path, *statements: str) -> None:
@@ -220,35 +218,27 @@ def test_one_forged_line_is_enough(journal: Path, forged: Forge) -> None:
     assert audited(journal).checks["verdicts"].count >= 1
 
 
-def _last(path: Path) -> Line:
-    with open_journal(path, read_only=True) as opened:
-        *_, line = opened.lines()
-    return line
-
-
 def test_a_journal_whose_end_was_cut_off_is_not_whole(journal: Path) -> None:
-    run_sql(journal, f"DELETE FROM lines WHERE position > {_last(journal).position - 40}")
+    rewrite(journal, lines_in(journal)[:-40])
     report = audited(journal)
     assert not report.checks["whole"].ok
     assert "the last commit ended at" in str(report.checks["whole"].first_offender)
 
 
 def test_a_line_beyond_the_last_commit_is_not_whole(journal: Path) -> None:
-    last = _last(journal)
-    run_sql(
-        journal,
-        f"INSERT INTO lines SELECT {last.position + 1}, at_ns, kind, event, process, record FROM lines "
-        f"WHERE position = {last.position}",
-    )
+    lines = lines_in(journal)
+    rewrite(journal, [*lines, Line(lines[-1].position + 1, lines[-1].at_ns, lines[-1].record)])
     assert not audited(journal).checks["whole"].ok
 
 
 def test_a_tail_cut_off_with_its_commits_is_found_by_what_was_offered(journal: Path) -> None:
-    keep = _last(journal).position // 2
+    lines = lines_in(journal)
+    keep = len(lines) // 2
     db = apsw.Connection(str(journal))
     ((keep,),) = db.execute("SELECT max(last) FROM commits WHERE last <= ?", (keep,)).fetchall()
     db.close()
-    run_sql(journal, f"DELETE FROM lines WHERE position > {keep}", f"DELETE FROM commits WHERE last > {keep}")
+    rewrite(journal, lines[:keep])
+    run_sql(journal, f"DELETE FROM commits WHERE last > {keep}")
     report = audited(journal)
     assert report.checks["whole"].ok
     assert not report.checks["offered"].ok

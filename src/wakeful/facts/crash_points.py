@@ -34,6 +34,9 @@ CRASH_POINTS: dict[str, str] = {
     "publication: trained": "the weights are in memory alone",
     "publication: decided": "the new version selects; neither its weights nor its record are committed",
     "publication: committed": "the new version is durable; nothing has been selected with it",
+    "migration: backed up": "the journal in its older schema, and a verified copy of it",
+    "migration: rewritten": "the journal in its older schema, its copy, and beside them the same journal in today's",
+    "migration: done": "the journal in today's schema, and the copy of what it was",
     "acts: fed": "an operator's act has been done and is not committed; it still lies in its folder",
     "acts: committed": "the act is durable and still lies in its folder",
 }

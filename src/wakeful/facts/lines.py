@@ -283,6 +283,23 @@ class Noted(Record, frozen=True):
     event: str = ""
 
 
+class Compacted(Record, frozen=True):
+    """Stands for the lines from ``first`` up to its own position, which were too old to be kept: their counts.
+
+    All they told of events that are closed and owed nothing is gone; ``admitted``, ``duplicate`` and ``refused`` are as many
+    inputs as they were the fate of, ``gained`` as many experiences. ``process`` and ``experience`` are the highest ids in them.
+    """
+
+    first: int
+    lines: int
+    admitted: int = 0
+    duplicate: int = 0
+    refused: int = 0
+    gained: int = 0
+    process: int = 0
+    experience: int = 0
+
+
 AnyRecord = (
     Opened
     | Finished
@@ -308,6 +325,7 @@ AnyRecord = (
     | Acted
     | Imported
     | Noted
+    | Compacted
 )
 
 

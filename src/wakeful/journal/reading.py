@@ -8,10 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import apsw
-import msgspec
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import AnyRecord, Line
+from wakeful.facts.lines import Line
+from wakeful.facts.packs import Entry, expanded, last_position
+from wakeful.journal.compact.body import BROKEN, BodyReader
+from wakeful.journal.compact.row import digest_of, event_key, kind_key, process_key
+from wakeful.journal.compact.words import Words
+from wakeful.journal.readable import event_of, process_of, tag_of
 
 if TYPE_CHECKING:
     from apsw import SQLiteValue, SQLiteValues
@@ -25,20 +29,38 @@ class Reading:
     def __init__(self, db: apsw.Connection, path: Path) -> None:
         self._db = db
         self._path = path
-        self._decode = msgspec.json.Decoder(AnyRecord).decode
+        self.words = Words(self._words(), self._words)
+        self._body = BodyReader(self.words)
 
-    def lines(self, where: str, values: Sequence[str | int]) -> Iterator[Line]:
-        """The lines that a condition in SQL holds for, in order."""
-        # As bytes: damaged text would fail in SQLite's own decoding, which can't say at which line.
-        query = f"SELECT position, at_ns, CAST(record AS BLOB) FROM lines WHERE {where} ORDER BY position"
-        reached: SQLiteValue = 0
-        try:
-            for row in self._db.execute(query, values):
-                reached = row[0]
-                line = self._line(row)
+    def entries(self, after: int) -> Iterator[Entry]:
+        """The entries whose last position is greater, in order."""
+        row = "first >= coalesce((SELECT max(first) FROM rows WHERE first <= ?), 0)"
+        for entry in self._entries(f"SELECT first, last, form, digest, body FROM rows WHERE {row} ORDER BY first", (after + 1,)):
+            if last_position(entry) > after:
+                yield entry
+
+    def lines(self, after: int) -> Iterator[Line]:
+        """The lines with greater positions, in order."""
+        return (line for line in expanded(self.entries(after)) if line.position > after)
+
+    def lines_of(self, event: str | None, process: int | None, kinds: Sequence[str]) -> Iterator[Line]:
+        """The lines about an event, about a process and of some kinds, in order: of those rows whose keys have them."""
+        sought = [] if event is None else [[event_key(event)]]
+        sought += [] if process is None else [[process_key(process)]]
+        sought += [[kind_key(kind) for kind in kinds]] if kinds else []
+        where = " AND ".join(f"({' OR '.join(['instr(keys, ?)'] * len(keys))})" for keys in sought)
+        query = (
+            "SELECT rows.first, last, form, digest, body FROM about JOIN rows USING (first) "
+            f"{'WHERE ' + where if where else ''} ORDER BY rows.first"
+        )
+        for line in expanded(self._entries(query, [key for keys in sought for key in keys])):
+            record = line.record
+            if event is not None and event_of(record) != event:
+                continue
+            if process is not None and process_of(record) != process:
+                continue
+            if not kinds or tag_of(record) in kinds:
                 yield line
-        except apsw.Error as error:
-            raise self._damaged(f"what follows line {reached}", error) from error
 
     def state(self) -> dict[str, bytes]:
         """The keyed state."""
@@ -52,7 +74,7 @@ class Reading:
 
     def commits(self) -> Iterator[int]:
         """The last position of each commit, in order."""
-        for (last,) in self._rows("SELECT last FROM commits ORDER BY rowid"):
+        for (last,) in self._rows("SELECT last FROM commits ORDER BY last"):
             if not isinstance(last, int):
                 raise self._damaged("its list of commits", f"{last!r} is no position")
             yield last
@@ -70,21 +92,43 @@ class Reading:
             if self._db.in_transaction:
                 self._db.execute("ROLLBACK")
 
+    def _entries(self, query: str, values: Sequence[int | bytes]) -> Iterator[Entry]:
+        reached: SQLiteValue = 0
+        try:
+            for row in self._db.execute(query, values):
+                reached = row[1]
+                yield from self._row(row)
+        except apsw.Error as error:
+            raise self._damaged(f"what follows line {reached}", error) from error
+
+    def _row(self, row: _Row) -> list[Entry]:
+        first, last, form, digest, body = row
+        if not (isinstance(first, int) and isinstance(last, int) and isinstance(form, int) and isinstance(body, bytes)):
+            raise self._damaged(f"the row of line {first}", "its columns hold what no journal writes")
+        where = f"line {first}" if first == last else f"the row of lines {first} to {last}"
+        if digest != digest_of(first, body):
+            raise self._damaged(where, "its content is not what was written")
+        try:
+            entries = list(self._body.read(first, body, form))
+        except BROKEN as error:
+            raise self._damaged(where, error) from error
+        if not entries or last_position(entries[-1]) != last:
+            raise self._damaged(where, "it holds other lines than it says")
+        return entries
+
+    def _words(self) -> list[tuple[int, str]]:
+        found = []
+        for number, text in self._rows("SELECT number, text FROM words ORDER BY number"):
+            if not isinstance(number, int) or not isinstance(text, str):
+                raise self._damaged("its table of words", f"{number!r} is no word")
+            found.append((number, text))
+        return found
+
     def _rows(self, query: str, values: SQLiteValues = ()) -> list[_Row]:
         try:
             return self._db.execute(query, values).fetchall()
         except (apsw.Error, UnicodeDecodeError) as error:
             raise self._damaged("a table beside its lines", error) from error
-
-    def _line(self, row: _Row) -> Line:
-        position, at_ns, record = row
-        if not isinstance(position, int) or not isinstance(at_ns, int) or not isinstance(record, bytes):
-            raise self._damaged(f"line {position}", "its columns hold what no journal writes")
-        try:
-            # The whole of it must be text: what is carried as raw JSON is not looked into here, but later.
-            return Line(position, at_ns, self._decode(record.decode()))
-        except (msgspec.DecodeError, UnicodeDecodeError) as error:
-            raise self._damaged(f"line {position}", error) from error
 
     def _bytes(self, what: str, value: SQLiteValue) -> bytes:
         if not isinstance(value, bytes):

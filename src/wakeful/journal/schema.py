@@ -1,50 +1,47 @@
-"""The journal's SQLite schema, as migrations from version 0. A migration, once released, never changes."""
+"""The journal's SQLite schema. A version, once released, never changes; ``migration.py`` takes an older file to this one.
+
+Version 1 (0.1) held one line of JSON a row. Version 2 holds the entries of a commit a row, in few bytes (docs/journal.md).
+"""
 
 from __future__ import annotations
 
 #: Written into the file's header, so that ``file`` and we ourselves know a journal from any other database.
 APPLICATION_ID = 0x57414B45  # "WAKE"
 
-MIGRATIONS: tuple[str, ...] = (
-    """
-    CREATE TABLE lines(
-        position INTEGER PRIMARY KEY,
+VERSION = 2
+
+#: Must be set before the first table is made: freed pages go back to the disk, a few at a time.
+BEFORE = "PRAGMA auto_vacuum=INCREMENTAL"
+
+SCHEMA = """
+    CREATE TABLE rows(
+        first INTEGER PRIMARY KEY,
+        last INTEGER NOT NULL,
         at_ns INTEGER NOT NULL,
-        kind TEXT NOT NULL,
-        event TEXT,
-        process INTEGER,
-        record TEXT NOT NULL
+        form INTEGER NOT NULL,
+        digest BLOB NOT NULL,
+        body BLOB NOT NULL
     ) STRICT;
-    CREATE INDEX lines_by_event ON lines(event) WHERE event IS NOT NULL;
-    CREATE INDEX lines_by_process ON lines(process) WHERE process IS NOT NULL;
-    CREATE INDEX lines_by_kind ON lines(kind);
+    CREATE TABLE about(
+        first INTEGER PRIMARY KEY,
+        admitted INTEGER NOT NULL,
+        duplicate INTEGER NOT NULL,
+        refused INTEGER NOT NULL,
+        keys BLOB NOT NULL
+    ) STRICT;
+    CREATE TABLE words(number INTEGER PRIMARY KEY, text TEXT NOT NULL) STRICT;
     CREATE TABLE state(key TEXT PRIMARY KEY, value BLOB NOT NULL) STRICT, WITHOUT ROWID;
     CREATE TABLE blobs(name TEXT PRIMARY KEY, value BLOB NOT NULL) STRICT, WITHOUT ROWID;
     CREATE TABLE commits(
-        last INTEGER NOT NULL,
+        last INTEGER PRIMARY KEY,
         wall_ns INTEGER NOT NULL,
         monotonic_ns INTEGER NOT NULL,
-        boot TEXT NOT NULL
+        boot INTEGER NOT NULL
     ) STRICT;
-    CREATE VIEW events AS
-        SELECT position, at_ns, event AS id,
-               json_extract(record, '$.event.kind') AS kind,
-               json_extract(record, '$.event.entity') AS entity,
-               json_extract(record, '$.event.says') AS says
-        FROM lines WHERE kind = 'admitted';
-    CREATE VIEW decisions AS
-        SELECT position, at_ns, event, process,
-               json_extract(record, '$.decision.treatment') AS treatment,
-               json_extract(record, '$.decision.mode') AS mode,
-               json_extract(record, '$.decision.confidence') AS confidence
-        FROM lines WHERE kind = 'decided';
     CREATE VIEW conservation AS
-        SELECT sum(kind IN ('admitted', 'duplicate', 'refused')) AS received,
-               sum(kind = 'admitted') AS admitted,
-               sum(kind = 'duplicate') AS duplicate,
-               sum(kind = 'refused') AS refused
-        FROM lines;
-    """,
-)
-
-VERSION = len(MIGRATIONS)
+        SELECT sum(admitted + duplicate + refused) AS received,
+               sum(admitted) AS admitted,
+               sum(duplicate) AS duplicate,
+               sum(refused) AS refused
+        FROM about;
+"""

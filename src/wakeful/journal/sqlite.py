@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -10,15 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import apsw
-import msgspec
 
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
-from wakeful.facts.packs import Entry, expanded
+from wakeful.facts.packs import Entry, last_position
+from wakeful.journal.compact.body import BodyWriter
+from wakeful.journal.compact.row import rows_of
 from wakeful.journal.lock import FileLock
+from wakeful.journal.migration import migrate
+from wakeful.journal.opening import boot_id, connect, number, prepare
 from wakeful.journal.reading import Reading
-from wakeful.journal.schema import APPLICATION_ID, MIGRATIONS, VERSION
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -37,75 +38,34 @@ class SqliteJournal:
 
     Raises:
         JournalError: not a journal, a newer schema, locked by another process, unreadable.
+
+    A journal of an older schema that is opened to be written is migrated first; ``migrated`` says from what, and to where it was
+    copied before.
     """
 
     def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> None:
         self.path = path
-        self._vfs = vfs
-        self._encode = msgspec.json.Encoder().encode
         self._lock: FileLock | None = None
         if read_only and not path.is_file():
             raise JournalError(f"there is no journal at {path}; make one with `wakeful run --journal {path} SOURCE`")
         if not read_only:
-            self._prepare()
+            prepare(path)
             self._lock = FileLock(path)
-        try:
             reach("journal: file made")
-            self._db = self._connect(read_only, full_sync)
+        try:
+            self.migrated = None if read_only else migrate(path)
+            self._db = connect(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
             self._reading = Reading(self._db, path)
-            self._last = _number(self._db, "SELECT coalesce(max(position), 0) FROM lines")
+            self._last = number(self._db, "SELECT coalesce(max(last), 0) FROM rows WHERE first = (SELECT max(first) FROM rows)")
         except apsw.Error as error:
             self._release()
             raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
-        except BaseException:  # Ctrl-C too: whoever catches it may open the file again
+        except JournalError:
             self._release()
             raise
-        self._boot = _boot_id()
-
-    def _prepare(self) -> None:
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if not self.path.exists():
-                os.close(os.open(self.path, os.O_CREAT | os.O_RDWR, 0o600))
-                _sync_directory(self.path.parent)
-            else:
-                os.close(os.open(self.path, os.O_RDWR))
-        except OSError as error:
-            raise JournalError(
-                f"{self.path} cannot be written: {error.strerror}; name another file with --journal or free the place"
-            ) from error
-
-    def _connect(self, read_only: bool, full_sync: bool) -> apsw.Connection:
-        flags = apsw.SQLITE_OPEN_READONLY if read_only else apsw.SQLITE_OPEN_READWRITE
-        db = apsw.Connection(str(self.path), flags=flags, vfs=self._vfs)
-        db.set_busy_timeout(5_000)
-        version = _number(db, "PRAGMA user_version")
-        application = _number(db, "PRAGMA application_id")
-        tables = _number(db, "SELECT count(*) FROM sqlite_schema")
-        if application != APPLICATION_ID and tables:
-            raise JournalError(f"{self.path} is a database, but not a wakeful journal; name another file with --journal")
-        if version > VERSION:
-            raise JournalError(
-                f"{self.path} has schema {version}, this wakeful knows {VERSION}: install the newer wakeful that wrote it"
-            )
-        if read_only:
-            if not tables:
-                raise JournalError(f"{self.path} is empty; fill it with `wakeful run --journal {self.path} SOURCE`")
-            return db
-        db.execute("PRAGMA journal_mode=WAL")
-        db.execute(f"PRAGMA synchronous={'FULL' if full_sync else 'NORMAL'}")
-        if version < VERSION:
-            self._migrate(db, version)
-        return db
-
-    @staticmethod
-    def _migrate(db: apsw.Connection, version: int) -> None:
-        with db:
-            for step in MIGRATIONS[version:]:
-                db.execute(step)
-            reach("journal: schema written")
-            db.execute(f"PRAGMA application_id={APPLICATION_ID}")
-            db.execute(f"PRAGMA user_version={VERSION}")
+        self._words = self._reading.words
+        self._writer = BodyWriter(self._words)
+        self._boot = boot_id()
 
     @property
     def last(self) -> int:
@@ -118,19 +78,16 @@ class SqliteJournal:
         Raises:
             JournalError: the positions don't continue the journal's, or SQLite could not write (disk full, read-only).
         """
-        unpacked = list(expanded(lines))
-        for expected, line in enumerate(unpacked, self._last + 1):
-            if line.position != expected:
-                raise JournalError(f"line {line.position} does not follow {expected - 1} in {self.path}")
-        rows = [self._row(line) for line in unpacked]
+        last = self._last
+        for entry in lines:
+            if entry.position != last + 1:
+                raise JournalError(f"line {entry.position} does not follow {last} in {self.path}")
+            last = last_position(entry)
         try:
             with self._db:
                 reach("commit: begun")
-                for start in range(0, len(rows), _ROWS_PER_INSERT):
-                    part = rows[start : start + _ROWS_PER_INSERT]
-                    # One statement of many rows: executemany would hand over the interpreter lock per row.
-                    slots = ",".join(["(?,?,?,?,?,?)"] * len(part))
-                    self._db.execute(f"INSERT INTO lines VALUES {slots}", [value for row in part for value in row])
+                if lines:
+                    self._append(lines, last)
                 reach("commit: lines written")
                 for key, value in state.items():
                     if value is None:
@@ -139,63 +96,49 @@ class SqliteJournal:
                         self._db.execute("INSERT OR REPLACE INTO state VALUES (?, ?)", (key, value))
                 for name, value in blobs.items():
                     self._db.execute("INSERT OR IGNORE INTO blobs VALUES (?, ?)", (name, value))
-                if unpacked:
-                    self._db.execute(
-                        "INSERT INTO commits VALUES (?, ?, ?, ?)",
-                        (unpacked[-1].position, time.time_ns(), time.monotonic_ns(), self._boot),
-                    )
                 reach("commit: state written")
-        except apsw.Error as error:
+        except (apsw.Error, UnicodeEncodeError) as error:
+            self._words.withdraw()
             raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
         reach("commit: done")
-        if unpacked:
-            self._last = unpacked[-1].position
+        self._words.settled()
+        self._last = last
 
-    def _row(self, line: Line) -> tuple[int, int, str, str | None, int | None, str]:
-        record = line.record
-        event = getattr(record, "event", None)
-        if event is not None and not isinstance(event, str):
-            event = event.id
-        process = getattr(record, "process", None)
-        return (
-            line.position,
-            line.at_ns,
-            type(record).__name__.lower(),
-            event or None,
-            process or None,
-            self._encode(record).decode(),
-        )
+    def _append(self, entries: Sequence[Entry], last: int) -> None:
+        rows = list(rows_of(entries, self._writer))
+        boot = int.from_bytes(self._words.constant(self._boot), "big")
+        if self._words.new:
+            self._insert("words", 2, [value for word in self._words.new for value in word])
+        self._insert("rows", 6, [v for row in rows for v in (row.first, row.last, row.at_ns, row.form, row.digest, row.body)])
+        self._insert("about", 5, [v for row in rows for v in (row.first, row.admitted, row.duplicate, row.refused, row.keys)])
+        self._insert("commits", 4, [last, time.time_ns(), time.monotonic_ns(), boot])
+
+    def _insert(self, table: str, columns: int, values: list[int | str | bytes]) -> None:
+        """One statement of many rows: executemany would hand over the interpreter lock per row."""
+        slots = f"({','.join('?' * columns)})"
+        for start in range(0, len(values), columns * _ROWS_PER_INSERT):
+            part = values[start : start + columns * _ROWS_PER_INSERT]
+            self._db.execute(f"INSERT INTO {table} VALUES {','.join([slots] * (len(part) // columns))}", part)
 
     def lines(self, after: int = 0) -> Iterator[Line]:
-        """The lines with position > ``after``, in order.
+        """The lines with position > ``after``, in order; those of packs one by one.
 
         Raises:
-            JournalError: the file is damaged; the message names the line.
+            JournalError: the file is damaged; the message names the row.
         """
-        return self._reading.lines("position > ?", [after])
+        return self._reading.lines(after)
 
     def entries(self, after: int = 0) -> Iterator[Entry]:
-        """What was committed with position > ``after``, in order: line by line, for packs are kept as their lines.
+        """What was committed with position > ``after``, in order, packs as packs.
 
         Raises:
-            JournalError: the file is damaged; the message names the line.
+            JournalError: the file is damaged; the message names the row.
         """
-        return self.lines(after)
+        return self._reading.entries(after)
 
     def lines_of(self, *, event: str | None = None, process: int | None = None, kinds: Sequence[str] = ()) -> Iterator[Line]:
-        """The lines about an event or a process (or both), or of some kinds, in order; looked up by index."""
-        where: list[str] = []
-        values: list[str | int] = []
-        if event is not None:
-            where.append("event = ?")
-            values.append(event)
-        if process is not None:
-            where.append("process = ?")
-            values.append(process)
-        if kinds:
-            where.append(f"kind IN ({','.join('?' * len(kinds))})")
-            values.extend(kinds)
-        return self._reading.lines(" AND ".join(where) or "1", values)
+        """The lines about an event or a process (or both), or of some kinds, in order; only rows that may hold any are read."""
+        return self._reading.lines_of(event, process, kinds)
 
     def snapshot(self) -> AbstractContextManager[None]:
         """Within it everything is read as of one commit, whatever a writer adds meanwhile. For a journal opened to read.
@@ -257,23 +200,3 @@ class SqliteJournal:
 def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> SqliteJournal:
     """Open, or make, the journal at ``path``. See SqliteJournal."""
     return SqliteJournal(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
-
-
-def _number(db: apsw.Connection, query: str) -> int:
-    return int(next(db.execute(query))[0])
-
-
-def _sync_directory(directory: Path) -> None:
-    """Make the names in it durable: the journal's own name must outlive a loss of power as its content does."""
-    handle = os.open(directory, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
-def _boot_id() -> str:
-    try:
-        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
-    except OSError:
-        return ""

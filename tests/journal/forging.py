@@ -1,0 +1,50 @@
+"""Journals as somebody with the file in his hands could change them: every row as the writer itself would have written it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import apsw
+
+from wakeful.facts.lines import Line
+from wakeful.journal import open_journal
+from wakeful.journal.compact.body import BodyWriter
+from wakeful.journal.compact.row import digest_of, rows_of
+from wakeful.journal.compact.words import Words
+
+
+def rewrite(path: Path, lines: Sequence[Line]) -> None:
+    """Put these lines in the place of all that there are; nothing else is touched."""
+    db = apsw.Connection(str(path))
+    words = Words(db.execute("SELECT number, text FROM words").fetchall())
+    with db:
+        db.execute("DELETE FROM rows; DELETE FROM about")
+        for row in rows_of(lines, BodyWriter(words)):
+            columns = (row.first, row.last, row.at_ns, row.form, row.digest, row.body)
+            db.execute("INSERT INTO rows VALUES (?,?,?,?,?,?)", columns)
+            db.execute("INSERT INTO about VALUES (?,?,?,?,?)", (row.first, row.admitted, row.duplicate, row.refused, row.keys))
+        db.executemany("INSERT INTO words VALUES (?, ?)", words.new)
+    db.close()
+
+
+def lines_in(path: Path) -> list[Line]:
+    """All lines of a journal."""
+    with open_journal(path, read_only=True) as opened:
+        return list(opened.lines())
+
+
+def spoil(path: Path, position: int, body: bytes, *, sealed: bool) -> tuple[int, int]:
+    """Put other bytes in the place of the body of the row in which a line stands; ``sealed``: with their right digest.
+
+    Returns:
+        the first and the last position of that row.
+    """
+    db = apsw.Connection(str(path))
+    query = "SELECT first, last FROM rows WHERE first <= ? ORDER BY first DESC LIMIT 1"
+    ((first, last),) = db.execute(query, (position,)).fetchall()
+    db.execute("UPDATE rows SET body = ? WHERE first = ?", (body, first))
+    if sealed:
+        db.execute("UPDATE rows SET digest = ? WHERE first = ?", (digest_of(first, body), first))
+    db.close()
+    return first, last
