@@ -16,8 +16,6 @@ from wakeful.journal.views import History, history, summary_of
 from wakeful.journal.wording.waiting import deadline_words
 from wakeful.journal.wording.words import count, duration, instant
 
-
-
 #: Of each kind of thing to look at so many processes are named; `--json` names all.
 NAMES_SHOWN = 20
 
