@@ -93,6 +93,11 @@ class Speed(click.ParamType[float]):
 @option("--seed", type=int, default=0, show_default=True, help="Of simulation and training.")
 @option("--reasoner", type=click.Choice(sorted(REASONERS)), default="guidelines", show_default=True, help="Who deliberates.")
 @option(
+    "--consult/--no-consult",
+    default=None,
+    help="Whether treatments put typed questions of their own to the reasoner. Without it: to a model yes, to guidelines no.",
+)
+@option(
     "--primary-share",
     type=click.FloatRange(0.0, 0.95),
     default=0.0,
@@ -111,6 +116,7 @@ def run_command(
     events: int | None,
     seed: int,
     reasoner: str,
+    consult: bool | None,
     primary_share: float,
     robot: str | None,
     as_json: bool,
@@ -132,7 +138,9 @@ def run_command(
         _check_domain(opened, found, path)
         thinker = _reasoner(reasoner, found, opened)
         before = summary(opened, strange=0) if opened.last else None
-        items = _drive(found, opened, thinker, MindSettings(seed=seed, primary_share=primary_share), speed, limit, stop)
+        consults = reasoner == "openai" if consult is None else consult
+        settings = MindSettings(seed=seed, primary_share=primary_share, consult=consults)
+        items = _drive(found, opened, thinker, settings, speed, limit, stop)
         told = summary(opened)
     this = _this_run(told, before, items, time.monotonic() - began_s, bool(stop.signal))
     if as_json:

@@ -58,7 +58,7 @@ class Scheduler:
         self.shelf = shelf
         self.held_back = False
         self.processes = ProcessSet(policy, host.event, host.settings.reasoner_slots)
-        self._coroutines = Coroutines(treatments.get, spec, options)
+        self._coroutines = Coroutines(treatments.get, spec, options, host.settings.consult)
         self._agenda = Agenda(self.processes, self._step_ns)
         self._asking = Asking(host, self.processes, self._agenda, shelf)
         self._running = Running(host, self.processes, self._coroutines, self._asking, self._begin_child)
