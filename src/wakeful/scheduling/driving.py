@@ -15,7 +15,7 @@ from wakeful.facts.lines import Answered
 from wakeful.facts.results import Result, Unresolved
 from wakeful.scheduling.mind import KernelMind
 from wakeful.scheduling.process import Process
-from wakeful.scheduling.thinking import GENERAL, think
+from wakeful.scheduling.thinking import GENERAL, WHICH_TREATMENT, think
 from wakeful.scheduling.wants import Want, Work
 
 #: What an Answered says in ``error`` when the request's limit passed.
@@ -89,7 +89,9 @@ class Coroutines:
             answer = process.answers.get(asked.seq)
             if answer is None:
                 return want
-            if asked.args and want.digest() != asked.args:
+            # What treatments there are may have changed since the kernel asked which one to take: that answer stands.
+            own = asked.kind is Kind.DELIBERATE and asked.key == WHICH_TREATMENT
+            if asked.args and not own and want.digest() != asked.args:
                 raise Mismatch(f"request {asked.seq} ({asked.kind} {asked.key!r}) now has other arguments than were recorded")
             want = self.answer(process, want, answer)
         while isinstance(want, Work) and budget > 0 and budget >= want.left:
