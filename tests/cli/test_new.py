@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -43,3 +46,30 @@ def test_a_recording_that_is_not_there(wakeful: Wakeful, tmp_path: Path) -> None
     result = wakeful("new", "domain", "--from", tmp_path / "absent.csv")
     assert result.exit_code == 1
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_a_new_treatment_is_a_package_whose_own_test_passes(wakeful: Wakeful, tmp_path: Path) -> None:
+    folder = tmp_path / "made"
+    done = wakeful("new", "treatment", "shelf_inspection", "--out", folder)
+    assert done.exit_code == 0, done.output
+    project = tomllib.loads((folder / "pyproject.toml").read_text())
+    points = project["project"]["entry-points"]["wakeful.treatments"]
+    assert points == {"shelf_inspection": "wakeful_shelf_inspection:shelf_inspection"}
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-n", "0", str(folder)]
+    tested = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert tested.returncode == 0, tested.stdout + tested.stderr
+    assert "2 passed" in tested.stdout
+
+
+@pytest.mark.parametrize("name", ["Inspection", "9lives", "a-b", "class", "", "../x", "diagnosis"])
+def test_a_name_that_no_treatment_can_have_is_refused_and_nothing_is_written(wakeful: Wakeful, tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "made"
+    refused = wakeful("new", "treatment", name, "--out", folder)
+    assert refused.exit_code == 1
+    assert not folder.exists()
+
+
+def test_a_new_treatment_never_goes_over_a_folder(wakeful: Wakeful, tmp_path: Path) -> None:
+    refused = wakeful("new", "treatment", "inspection", "--out", tmp_path)
+    assert refused.exit_code == 1
+    assert "is there already" in refused.output
