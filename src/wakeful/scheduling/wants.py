@@ -38,7 +38,9 @@ class Want(msgspec.Struct, frozen=True, kw_only=True):
 
     def digest(self) -> str:
         """Digest of the arguments, by which a recorded answer is known to fit this request."""
-        args = msgspec.json.encode((self.key, self.count, self.query, self.question, self.event, self.role))
+        # An event by its repr: as JSON, one that was read back names defaults that one which was just made leaves out.
+        event = None if self.event is None else repr(self.event)
+        args = msgspec.json.encode((self.key, self.count, self.query, self.question, event, self.role))
         return blake2b(args, digest_size=8).hexdigest()
 
 
