@@ -205,7 +205,18 @@ def test_a_treatment_that_fails_in_fallback_too_is_unresolved_and_never_lost(wor
     assert sum(isinstance(line.record, Noted) for line in world.lines) == 2
 
 
-def test_a_treatment_that_is_gone_is_unresolved_and_not_stranded(world: World) -> None:
+def test_a_treatment_that_is_gone_is_stood_in_for_in_fallback_mode_and_named(world: World) -> None:
+    process = world.meet("odd", "removed")
+    world.until(60)
+    assert moves(world, process)[-1] is Trigger.RESOLVE
+    decided = [line.record.decision for line in world.lines if isinstance(line.record, Decided)]
+    assert [each.mode for each in decided] == ["auto", "fallback"]
+    assert decided[1].treatment in world.repertoire.of
+    assert [line.record.what for line in world.lines if isinstance(line.record, Noted)] == ["treatment removed"]
+
+
+def test_a_treatment_that_is_gone_with_nothing_to_stand_in_is_unresolved_and_not_stranded() -> None:
+    world = World(Repertoire())
     process = world.meet("odd", "removed")
     assert moves(world, process)[-1] is Trigger.FAIL
 
