@@ -32,7 +32,10 @@ class Basis(Fact, frozen=True):
 
 
 class Choice(Fact, frozen=True):
-    """One automatic decision: ``basis.treatment`` is the likeliest of ``shares``. ``rests_on`` as in Decision."""
+    """One automatic decision: ``basis.treatment`` is the likeliest of ``shares``. ``rests_on`` as in Decision.
+
+    ``cell`` is where the event lies in the model's experience; -1 where the model has no cells.
+    """
 
     basis: Basis
     shares: tuple[float, ...]
@@ -40,6 +43,7 @@ class Choice(Fact, frozen=True):
     novelty: float
     trust: float
     rests_on: tuple[int, ...] = ()
+    cell: int = -1
 
     @property
     def confidence(self) -> float:

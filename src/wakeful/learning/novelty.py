@@ -13,6 +13,8 @@ from wakeful.learning.material import Floats
 NEAR: Final = 0.5
 """Distances below this (in standardised units) are never told apart: a world of a few repeated events would otherwise call
 every small difference unfamiliar."""
+TIE: Final = 1e-9
+"""Each further exemplar is taken to be so much farther: of those equally near, up to rounding errors, the first counts."""
 _TAIL = 4.0
 _ENOUGH_HELD_BACK = 20
 _DIGITS = 6
@@ -23,7 +25,8 @@ class Novelty:
 
     def __init__(self, exemplars: Floats, reference: Floats) -> None:
         self.exemplars, self.reference = exemplars, reference
-        self._norms = squares(exemplars)
+        self.norms = squares(exemplars)
+        self._ranked = self.norms + TIE * np.arange(len(exemplars))
         self._steps = reference.tolist()
 
     def of(self, x: Floats) -> float:
@@ -37,8 +40,14 @@ class Novelty:
 
     def distance(self, x: Floats) -> float:
         """The distance to the nearest exemplar, rounded to 6 digits: far more than it errs by."""
-        least = float((self._norms - 2.0 * (self.exemplars @ x)).min()) + float(x @ x)
-        return round(math.sqrt(max(0.0, least)), _DIGITS)
+        return self.nearest(x)[0]
+
+    def nearest(self, x: Floats) -> tuple[float, int]:
+        """The same, and which exemplar that is: the cell of experience that the row lies in."""
+        apart = self._ranked - 2.0 * (self.exemplars @ x)
+        cell = int(apart.argmin())
+        least = float(apart[cell]) - TIE * cell + float(x @ x)
+        return round(math.sqrt(max(0.0, least)), _DIGITS), cell
 
     def quantile(self, distance: float) -> float:
         """The novelty of something at this distance from the nearest exemplar."""
@@ -51,6 +60,17 @@ class Novelty:
         if distance > farthest:
             return 1.0 - math.pow(farthest / distance, _TAIL) / (n + 1)
         return bisect_left(self._steps, distance) / (n + 1)
+
+
+def quantiles(reference: Floats, distances: Floats) -> Floats:
+    """``Novelty.quantile`` of many distances, (n,), by a sorted reference."""
+    n = len(reference)
+    if n == 0:
+        return np.ones(len(distances))
+    farthest = max(float(reference[-1]), NEAR)
+    inside = np.searchsorted(reference, distances, side="left") / (n + 1)
+    beyond = 1.0 - np.power(farthest / np.maximum(distances, farthest), _TAIL) / (n + 1)
+    return np.where(distances <= NEAR, 0.0, np.where(distances > farthest, beyond, inside))
 
 
 def squares(rows: Floats) -> Floats:

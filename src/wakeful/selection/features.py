@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wakeful.facts.domain import DomainSpec, FieldSpec
-from wakeful.facts.events import Event, Phase, Relation
+from wakeful.facts.events import Draft, Event, Phase, Relation
 from wakeful.facts.values import Field
 
 Vector = npt.NDArray[np.float64]
@@ -33,7 +33,9 @@ TOKEN_CHARS: Final = 96
 """A longer text is known by its beginning: it comes from the world and may be of any length."""
 MEMO_LIMIT: Final = 8192
 
-_OUTSIDE_LOW, _OUTSIDE_HIGH = -1.0, 2.0
+OUTSIDE_LOW: Final = -1.0
+OUTSIDE_HIGH: Final = 2.0
+"""What a declared number outside its range is clipped to."""
 _BUCKET_LIMIT = 2.0
 _IDENTITY = re.compile(r"[0-9a-fA-F]*\d\d[0-9a-fA-F]*")
 _RELATIONS = tuple(Relation)
@@ -84,15 +86,16 @@ class Encoder:
         self.columns: tuple[str, ...] = ()
         self.groups: dict[str, tuple[int, ...]] = {}
         self._names: list[str] = []
-        self._fields: list[tuple[str, FieldSpec, int, dict[str, int], float]] = []
+        self.fields: list[tuple[str, FieldSpec, int, dict[str, int], float]] = []
+        """Name, specification, first column, columns by category, and scale of each declared field."""
         for name, field in spec.fields.items():
             self._declare(name, field)
         kinds = tuple(dict.fromkeys(detector.kind for detector in spec.detect))
-        self._kinds = {kind: self._add("kind", f"kind={kind}") for kind in kinds}
+        self.kinds = {kind: self._add("kind", f"kind={kind}") for kind in kinds}
         self._kind_at = self._block("kind", KIND_BUCKETS)
         self._entity_at = self._block("entity", ENTITY_BUCKETS)
-        self._relations = {relation: self._add("relation", f"relation={relation}") for relation in _RELATIONS}
-        self._criticality = self._add("criticality", "criticality")
+        self.relations = {relation: self._add("relation", f"relation={relation}") for relation in _RELATIONS}
+        self.criticality = self._add("criticality", "criticality")
         self._safety = self._add("safety", "safety")
         self._task = self._add("task", "task")
         self._task_at = self._block("task", TASK_BUCKETS)
@@ -110,28 +113,34 @@ class Encoder:
             digest.update(f"\x1f{name}{field.low!r}{field.high!r}".encode())
         self.version = digest.hexdigest()
 
-    def encode(self, event: Event) -> Vector:
+    def encode(self, event: Event | Draft) -> Vector:
         """The event's features, shape (size,): finite whatever the event carries."""
         row = np.zeros(self.size)
         fields, context = event.fields, event.context
-        for name, field, start, places, scale in self._fields:
+        for name, field, start, places, scale in self.fields:
             value = fields.get(name, _ABSENT)
             if value is _ABSENT:
                 value = context.fields.get(name)
             self._write(row, name, value, field, start, places, scale)
         declared = self._declared
-        if len(fields) > len(self._fields) or not declared.issuperset(fields):
+        if len(fields) > len(self.fields) or not declared.issuperset(fields):
             for name, value in islice(fields.items(), UNDECLARED_LIMIT):
                 if name not in declared:
                     self._write_undeclared(row, name, value)
-        for name, value in islice(context.fields.items(), UNDECLARED_LIMIT):
-            if name not in declared:
-                self._write_undeclared(row, f"context.{name}", value)
-        at = self._kinds.get(event.kind)
-        row[self._bucket(self._kind_at, KIND_BUCKETS, event.kind) if at is None else at] = 1.0
-        row[self._entity(event.entity)] = 1.0
-        row[self._relations[event.relation]] = 1.0
-        row[self._criticality] = event.criticality / 3.0
+        if context.fields:
+            for name, value in islice(context.fields.items(), UNDECLARED_LIMIT):
+                if name not in declared:
+                    self._write_undeclared(row, f"context.{name}", value)
+        row[self.kind(event.kind)] = 1.0
+        row[self.entity(event.entity)] = 1.0
+        row[self.relations[event.relation]] = 1.0
+        row[self.criticality] = event.criticality / 3.0
+        self.write_context(row, event)
+        return row
+
+    def write_context(self, row: Vector, event: Event | Draft) -> None:
+        """Write what the event's context says beside its fields, and the phase of its condition."""
+        context = event.context
         if context.safety:
             row[self._safety] = 1.0
         if context.task:
@@ -140,20 +149,24 @@ class Encoder:
             row[self._zone] = row[self._bucket(self._zone_at, ZONE_BUCKETS, context.zone)] = 1.0
         if event.condition is not None:
             row[self._phases[event.condition.phase]] = 1.0
-        return row
+
+    def kind(self, kind: str) -> int:
+        """The column of an event's kind."""
+        at = self.kinds.get(kind)
+        return self._bucket(self._kind_at, KIND_BUCKETS, kind) if at is None else at
 
     def _declare(self, name: str, field: FieldSpec) -> None:
         if field.values:
             places = {value: self._add(name, f"{name}={value}") for value in dict.fromkeys(field.values)}
             start = self._add(name, f"{name} other")
-            self._fields.append((name, field, start, places, 0.0))
+            self.fields.append((name, field, start, places, 0.0))
         else:
             size = max(1, field.size)
             start = self._add(name, name if size == 1 else f"{name}[0]")
             for index in range(1, size):
                 self._add(name, f"{name}[{index}]")
             span = field.high - field.low
-            self._fields.append((name, field, start, {}, 1.0 / span if span and math.isfinite(span) else 0.0))
+            self.fields.append((name, field, start, {}, 1.0 / span if span and math.isfinite(span) else 0.0))
         self._add(name, f"{name} missing")
 
     def _write(
@@ -183,7 +196,7 @@ class Encoder:
             if number is not None:
                 known += 1
                 scaled = (number - field.low) * scale if scale else 0.0
-                row[start + index] = min(max(scaled, _OUTSIDE_LOW), _OUTSIDE_HIGH)
+                row[start + index] = min(max(scaled, OUTSIDE_LOW), OUTSIDE_HIGH)
         if known < size:
             row[start + size] = 1.0
 
@@ -202,7 +215,8 @@ class Encoder:
         token = value[:TOKEN_CHARS] if isinstance(value, str) else _token(value)
         row[self._bucket(self._category_at, CATEGORY_BUCKETS, f"{name}={token}")] = 1.0
 
-    def _entity(self, entity: str) -> int:
+    def entity(self, entity: str) -> int:
+        """The column of an entity's class."""
         key = (self._entity_at, 0, entity)
         at = self._memo.get(key)
         if at is None:
