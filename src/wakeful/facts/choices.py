@@ -5,6 +5,8 @@ The hot path records these numbers. Whoever reads the journal gets the Decision 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from wakeful.facts.decisions import Audit, Candidate, Decision, Gate
 from wakeful.facts.values import Fact
 
@@ -81,7 +83,7 @@ class Choice(Fact, frozen=True):
         )
 
 
-def likeliest(prior: dict[str, float]) -> tuple[str, float]:
+def likeliest(prior: Mapping[str, float]) -> tuple[str, float]:
     """The likeliest label and its probability; of equal ones the first."""
     label = max(prior, key=lambda name: round(prior[name], DIGITS), default="")
     return label, round(prior.get(label, 0.0), DIGITS)
@@ -98,7 +100,7 @@ def said(ranked: tuple[Candidate, ...], model: int, watermark: int) -> str:
     return f"Model version {model}, learned from {watermark} experiences, gives {best.treatment} {best.probability:.3f}{after}."
 
 
-def automatic(gate: Gate, prior: dict[str, float], needed: float, support: int) -> str:
+def automatic(gate: Gate, prior: Mapping[str, float], needed: float, support: int) -> str:
     """Why the treatment may be executed automatically, in words: every number that was compared, beside its limit."""
     label, confidence = likeliest(prior)
     return (

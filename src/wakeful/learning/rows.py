@@ -73,4 +73,4 @@ class RowEstimator:
 def _shares(logits: Floats) -> Floats:
     parts = np.exp(logits - logits.max(axis=1, keepdims=True))
     parts /= parts.sum(axis=1, keepdims=True)
-    return np.round(parts, _DIGITS)
+    return np.asarray(np.round(parts, _DIGITS))

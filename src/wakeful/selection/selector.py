@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final, Literal
 
 import msgspec
 
-from wakeful.contracts.learner import Estimate, Learner, Predictor
-from wakeful.facts.choices import guaranteed
+from wakeful.contracts.learner import Estimate, Learner, Predictor, RowPredictor
+from wakeful.facts.choices import Basis, Choice, automatic, guaranteed, likeliest, said
 from wakeful.facts.decisions import Audit, Candidate, Decision, Gate, Mode
 from wakeful.facts.domain import DomainSpec
-from wakeful.facts.events import Event
+from wakeful.facts.events import Draft, Event
 from wakeful.facts.experience import ModelCard
+from wakeful.selection.batch import BatchEncoder
 from wakeful.selection.features import Encoder, Vector
+from wakeful.selection.foresight import Foresight, Seen, alone, of_one
 from wakeful.selection.guarantee import Guarantee
 from wakeful.selection.guidelines import Advice, advise, expected
 
@@ -81,6 +83,8 @@ class Selector:
         self._predictor: Predictor | None = None
         self._places: tuple[int | None, ...] = ()
         self._last: tuple[Event, Vector] | None = None
+        self._batches = BatchEncoder(self.encoder)
+        self._foresight: Foresight | None = None
 
     @property
     def card(self) -> ModelCard | None:
@@ -115,8 +119,66 @@ class Selector:
         place = {name: index for index, name in enumerate(predictor.treatments)}
         self._places = tuple(place.get(name) for name in self.allowed)
         self._card, self._predictor = card, predictor
+        self._foresight = Foresight(
+            [self._basis(card, predictor, name) for name in self.allowed], self._places, self.settings.support
+        )
 
-    def decide(self, event: Event, trust: Mapping[str, float], nearest: tuple[int, ...], watermark: int) -> Decision:
+    def _basis(self, card: ModelCard, predictor: Predictor, treatment: str) -> Basis:
+        return Basis(
+            treatment=treatment,
+            model=card.version,
+            watermark=card.watermark,
+            treatments=self.allowed,
+            labels=predictor.labels,
+            threshold=round(self._threshold(card, treatment), _GATE_DIGITS),
+            result_threshold=self._threshold(card, RESULT),
+            novelty_limit=self.settings.novelty_limit,
+            trust_limit=self.settings.trust_limit,
+            support=card.support.get(treatment, 0),
+        )
+
+    def foresee(self, events: Sequence[Event | Draft]) -> list[Seen] | None:
+        """What the model version in use says of these events, all at once; None where no model, or none for batches, is in use.
+
+        It stands as long as that version is in use, whatever else comes between.
+        """
+        if self._foresight is None or not isinstance(self._predictor, RowPredictor):
+            return None
+        return self._foresight.see(self._predictor.estimate_rows(self._batches.encode(events)))
+
+    def see(self, event: Event) -> Seen | None:
+        """The same of one event; None where no model is in use."""
+        if self._foresight is None or self._predictor is None:
+            return None
+        return self._foresight.see(alone(self._predictor.estimate(self.encode(event))))[0]
+
+    def cells(self, events: Sequence[Event]) -> list[int]:
+        """The cells of the model's experience in which these events lie; -1 for all where it has none, or no model is in use."""
+        if not isinstance(self._predictor, RowPredictor) or not events:
+            return [-1] * len(events)
+        found: list[int] = self._predictor.estimate_rows(self._batches.encode(events)).cells.tolist()
+        return found
+
+    def choose(self, seen: Seen, trust: float, rests_on: tuple[int, ...]) -> Choice | None:
+        """The automatic decision on an event, if it may be decided so; else it is for ``decide``.
+
+        Args:
+            seen: what the model version in use says of the event.
+            trust: revision's trust in ``seen``'s treatment.
+            rests_on: ids of the nearest experiences.
+        """
+        if self._foresight is None or self._guarantee is not None:
+            return None
+        return self._foresight.choose(seen, trust, rests_on)
+
+    def decide(
+        self,
+        event: Event,
+        trust: Mapping[str, float],
+        nearest: tuple[int, ...],
+        watermark: int,
+        seen: Seen | None = None,
+    ) -> Decision:
         """What treatment the event gets, and how.
 
         Args:
@@ -124,15 +186,20 @@ class Selector:
             trust: revision's trust per treatment in [0, 1]; one that is not named is fully trusted.
             nearest: ids of the nearest experiences, recorded as what the decision rests on.
             watermark: how many experiences the model version in use had learned from.
+            seen: what the model version in use says of the event, where that is known already.
 
         Returns:
             A decision that depends on nothing but these arguments and the version in use. Every number is rounded before it is
             compared (probabilities to 9 digits, the gate's to 6), so that batching changes nothing.
         """
-        if self._predictor is None or self._card is None:
+        if seen is None:
+            seen = self.see(event)
+        if seen is None or self._predictor is None or self._card is None:
             return self._by_guidelines(event, trust, nearest, watermark)
-        estimate = self._predictor.estimate(self.encode(event))
-        return self._by_model(event, trust, nearest, watermark, self._card, self._predictor, estimate)
+        choice = self.choose(seen, trust.get(seen[0].treatment, 1.0), nearest)
+        if choice is not None:
+            return msgspec.structs.replace(choice.decision(), watermark=watermark)
+        return self._by_model(event, trust, nearest, watermark, self._card, self._predictor, of_one(seen))
 
     def _by_guidelines(self, event: Event, trust: Mapping[str, float], nearest: tuple[int, ...], watermark: int) -> Decision:
         advice = advise(self.spec, self.allowed, event)
@@ -182,7 +249,7 @@ class Selector:
         else:
             ranked = _ranked(self.allowed, shares)
             chosen = ranked[0].treatment
-            reasons = [_said(ranked, card)]
+            reasons = [said(ranked, card.version, card.watermark)]
         gate = self._gate(ranked[0].probability, self._threshold(card, chosen), novelty, trust.get(chosen, 1.0))
         audit: Audit | None = None
         if self._guarantee is None:
@@ -210,7 +277,7 @@ class Selector:
         held_back = self._unfit(chosen, gate, card)
         if held_back:
             return ("fallback" if gate.novelty > gate.novelty_limit else "delib"), held_back, None
-        _, confidence = _likeliest(prior)
+        _, confidence = likeliest(prior)
         audit = guarantee.rule(event.id, chosen, card.version, gate.confidence * confidence)
         deliberated = audit.drawn and guarantee.settings.audit_by == "deliberation"
         return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(chosen, audit, deliberated)], audit
@@ -241,18 +308,13 @@ class Selector:
             return "fallback", doubts
         if gate.confidence < gate.threshold:
             doubts.append(_below("The confidence in the treatment", gate.confidence, gate.threshold))
-        label, confidence = _likeliest(prior)
+        label, confidence = likeliest(prior)
         needed = self._threshold(card, RESULT)
         if confidence < needed:
             doubts.append(_below(f"The forecast {label!r}", confidence, needed))
         if doubts:
             return "delib", doubts
-        return "auto", [
-            f"Automatic: confidence {gate.confidence:.3f} (at least {gate.threshold:.2f}), "
-            f"forecast {label!r} with {confidence:.3f} (at least {needed:.2f}), "
-            f"novelty {gate.novelty:.3f} (at most {gate.novelty_limit:g}), "
-            f"trust {gate.trust:.2f} (at least {gate.trust_limit:g}), {card.support.get(chosen, 0)} validated experiences."
-        ]
+        return "auto", [automatic(gate, prior, needed, card.support.get(chosen, 0))]
 
     def _advised(self, advice: Advice) -> tuple[str, list[str]]:
         if advice.leading is not None:
@@ -286,20 +348,6 @@ def _ranked(names: tuple[str, ...], shares: tuple[float, ...], first: str = "") 
     """By probability rounded to 6 digits, then by the treatments' own order; ``first`` leads whatever its share."""
     order = sorted(range(len(names)), key=lambda i: (names[i] != first, -round(shares[i], _GATE_DIGITS), i))
     return tuple(Candidate(treatment=names[i], probability=shares[i]) for i in order)
-
-
-def _likeliest(prior: Mapping[str, float]) -> tuple[str, float]:
-    label = max(prior, key=lambda name: round(prior[name], _GATE_DIGITS), default="")
-    return label, round(prior.get(label, 0.0), _GATE_DIGITS)
-
-
-def _said(ranked: tuple[Candidate, ...], card: ModelCard) -> str:
-    best = ranked[0]
-    after = f", before {ranked[1].treatment} with {ranked[1].probability:.3f}" if len(ranked) > 1 else ""
-    return (
-        f"Model version {card.version}, learned from {card.watermark} experiences, "
-        f"gives {best.treatment} {best.probability:.3f}{after}."
-    )
 
 
 def _below(what: str, number: float, needed: float) -> str:
