@@ -16,10 +16,10 @@ from statistics import median, quantiles
 
 import msgspec
 
+from benchmarks.peers.kept import facts_of, lean_of, messages_of
 from benchmarks.peers.running import Load, Run
 from benchmarks.peers.systems import SYSTEMS
 from benchmarks.peers.treating import checksum
-from benchmarks.peers.workload import facts_of, lean_of, messages_of
 
 
 def main(system: str, variant: str, workload: Path, store: Path, load: Load) -> dict[str, object]:
@@ -53,6 +53,7 @@ def main(system: str, variant: str, workload: Path, store: Path, load: Load) -> 
         "finals": len(finals),
         "checksum": checksum(finals),
         "right": checksum(finals) == facts.checksum,
+        **({"entities": [each.split(" ", 1)[0] for each in finals]} if load.calls else {}),
         **getattr(made, "extra", {}),
     }
 

@@ -8,10 +8,10 @@ from random import Random
 import msgspec
 import numpy as np
 
+from benchmarks.peers.drafting import draft
 from benchmarks.peers.lean import CHOICES, COLUMNS, Floats, Lean, features
 from benchmarks.peers.messages import LABELS, TREATMENTS, Event
 from wakeful.domains import load as load_domain
-from wakeful.facts.events import Draft
 from wakeful.facts.events import Event as WakefulEvent
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
@@ -28,27 +28,6 @@ EPOCHS = 40
 
 #: Scores of events must lie so far apart that the order of additions cannot change a choice.
 MARGIN = 1e-6
-
-
-def draft(event: Event, source: str = "w", position: int = 0) -> Draft:
-    """The event as a user of wakeful offers it."""
-    return Draft(
-        kind="object",
-        entity=event.entity,
-        source=source,
-        position=position,
-        at_ns=event.at_ns,
-        fields={
-            "category": event.category,
-            "location": event.location,
-            "state": event.state,
-            "route": event.route,
-            "load": event.load,
-            "x": event.x,
-            "y": event.y,
-            "context": event.context,
-        },
-    )
 
 
 def train(events: list[Event], seed: int) -> tuple[ModelCard, bytes, Lean]:

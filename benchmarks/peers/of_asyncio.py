@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 
 from benchmarks.peers.beside import Limits
 from benchmarks.peers.messages import Event, Evidence, Outcome, decode
@@ -20,6 +21,7 @@ class Asyncio:
         self._limits = Limits()
         self._futures: dict[str, asyncio.Future[float | None]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
+        self._open: set[str] = set()
         self._results: dict[str, Concluded] = {}
         self._early: dict[str, float] = {}
         self._finals: list[str] = []
@@ -37,8 +39,11 @@ class Asyncio:
                 for entity in self._limits.late(message.at_ns):
                     self._futures.pop(entity).set_result(None)
                 if isinstance(message, Event):
+                    chosen_now = next(chosen)
+                    if message.entity in run.acknowledged:  # in an earlier life
+                        continue
                     run.times.came[message.entity] = came_ns
-                    self._start(message, *next(chosen))
+                    self._start(message, *chosen_now)
                 elif isinstance(message, Evidence):
                     run.times.read.setdefault(message.entity, came_ns)
                     if self._limits.end(message.entity):
@@ -46,7 +51,10 @@ class Asyncio:
                     elif message.entity not in run.times.came:
                         self._early.setdefault(message.entity, message.value)
                 elif isinstance(message, Outcome):
-                    self._judge(message)
+                    while message.entity in self._open:
+                        await asyncio.sleep(0)
+                    if message.entity in self._results:  # else a crash took it
+                        self._judge(message)
             for _ in range(4):
                 await asyncio.sleep(0)
         await asyncio.gather(*self._tasks)
@@ -62,6 +70,7 @@ class Asyncio:
             future = None
         task = asyncio.create_task(self._treat(event, treatment, label, future))
         self._tasks.add(task)
+        self._open.add(event.entity)
         task.add_done_callback(self._tasks.discard)
         self._run.acknowledge([event.entity])
 
@@ -77,6 +86,7 @@ class Asyncio:
         state = weigh(seen, reading)
         self._run.call(entity)
         await asyncio.sleep(0)
+        self._open.discard(entity)
         self._results[entity] = treatment, label, reading if future is not None else None, conclude(state, label)
 
     def _judge(self, outcome: Outcome) -> None:
@@ -91,3 +101,8 @@ class Asyncio:
     def stored_bytes(self) -> int:
         """Nothing is kept."""
         return 0
+
+
+def answered(_store: Path, _variant: str) -> set[str]:
+    """No answer is committed."""
+    return set()

@@ -8,6 +8,7 @@ call. LangGraph has no timers, so the harness resumes what waited too long. An a
 from __future__ import annotations
 
 import sqlite3
+from pathlib import Path
 from typing import Literal, TypedDict, cast
 
 from langgraph.checkpoint.sqlite import SqliteSaver
@@ -15,8 +16,9 @@ from langgraph.graph import END, START, StateGraph
 from langgraph.types import Command, interrupt
 
 from benchmarks.peers.beside import Limits, Outcomes
+from benchmarks.peers.lean import Lean
 from benchmarks.peers.messages import Event, Evidence, Outcome, decode
-from benchmarks.peers.running import Run, now_ns, size_of
+from benchmarks.peers.running import Load, Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_NS, TOPIC, WAITS, conclude, final, look, weigh
 
 Durability = Literal["exit", "async", "sync"]
@@ -32,6 +34,7 @@ class State(TypedDict, total=False):
     label: str
     reading: float | None
     state: int
+    called: int
 
 
 class LangGraph:
@@ -62,8 +65,7 @@ class LangGraph:
             return {"reading": reading if state["waits"] else None, "state": weigh(seen, reading)}
 
         def outside(state: State) -> State:
-            run.call(state["entity"])
-            return {}
+            return {"called": run.call(state["entity"])}
 
         def end(state: State) -> State:
             return {"state": conclude(state["state"], state["label"])}
@@ -86,6 +88,7 @@ class LangGraph:
     def run(self) -> None:
         """Window by window."""
         run = self._run
+        self._rebuild()
         for came, texts in run.windows():
             messages = [decode(text) for text in texts]
             chosen = iter(run.lean.choose([message for message in messages if isinstance(message, Event)]))
@@ -102,13 +105,22 @@ class LangGraph:
                     elif message.entity not in run.times.came:
                         self._early.setdefault(message.entity, message.value)
                 elif isinstance(message, Outcome):
-                    self._outcomes.add(message.entity, self._labels[message.entity], message.label, message.acted_on)
+                    self._outcomes.add(message.entity, self._label(message.entity), message.label, message.acted_on)
             self._outcomes.commit()
+
+    def _rebuild(self) -> None:
+        """After a crash: who still waits for what is the harness's to know."""
+        for message in self._run.before():
+            if isinstance(message, Event) and message.category == WAITS:
+                self._limits.begin(message.entity, message.at_ns + LIMIT_NS)
+            elif isinstance(message, Evidence) and not self._limits.end(message.entity):
+                self._early.setdefault(message.entity, message.value)
 
     def _start(self, event: Event, treatment: str, label: str) -> None:
         entity, waits = event.entity, event.category == WAITS
         given: State = {"entity": entity, "load": event.load, "waits": waits, "treatment": treatment, "label": label}
-        self._invoke(entity, given)
+        if not (self._run.cursor and self._goes_on(entity)):
+            self._invoke(entity, given)
         self._labels[entity] = label
         self._run.acknowledge([entity])
         if waits:
@@ -117,8 +129,25 @@ class LangGraph:
                 self._limits.end(entity)
                 self._resume(entity, self._early.pop(entity))
 
+    def _goes_on(self, entity: str) -> bool:
+        """After a crash: whether the thread is there already; one that stood between two nodes is continued."""
+        known = self._graph.get_state({"configurable": {"thread_id": entity}})  # type: ignore[attr-defined]
+        if known.next and known.values and not known.interrupts:
+            self._invoke(entity, None)
+        return bool(known.values)
+
     def _resume(self, entity: str, value: float | None) -> None:
+        if self._run.cursor:
+            known = self._graph.get_state({"configurable": {"thread_id": entity}})  # type: ignore[attr-defined]
+            if not known.interrupts:
+                self._goes_on(entity)
+                return
         self._invoke(entity, Command(resume={"value": value}))
+
+    def _label(self, entity: str) -> str:
+        if entity not in self._labels:
+            self._labels[entity] = self._graph.get_state({"configurable": {"thread_id": entity}}).values["label"]  # type: ignore[attr-defined]
+        return self._labels[entity]
 
     def _invoke(self, entity: str, given: object) -> None:
         self._graph.invoke(given, {"configurable": {"thread_id": entity}}, durability=self._durability)  # type: ignore[attr-defined]
@@ -133,6 +162,20 @@ class LangGraph:
         self._db.close()
         return finals
 
+    def answered(self) -> set[str]:
+        """Whose outside call's answer is committed: in a checkpoint, or in the writes beside one."""
+        found = set()
+        for (entity,) in self._db.execute("SELECT DISTINCT thread_id FROM checkpoints").fetchall():
+            known = self._graph.get_state({"configurable": {"thread_id": entity}})  # type: ignore[attr-defined]
+            if known.values.get("called") or any(task.name == "outside" and task.result for task in known.tasks):
+                found.add(entity)
+        return found
+
     def stored_bytes(self) -> int:
         """The two databases."""
         return size_of(self._run.store, "langgraph.db", "outcomes.db")
+
+
+def answered(store: Path, variant: str) -> set[str]:
+    """Whose outside call's answer is committed."""
+    return LangGraph(Run([], Lean([]), store, store, Load(calls=True)), variant).answered()

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from benchmarks.peers.learned import DOMAIN, draft
+from benchmarks.peers.drafting import draft
+from benchmarks.peers.learned import DOMAIN
 from benchmarks.peers.messages import TREATMENTS, Event, Tick, decode
 from benchmarks.peers.messages import Evidence as Reading
 from benchmarks.peers.running import Run, now_ns, size_of
@@ -19,9 +20,10 @@ from wakeful.contracts.learner import Predictor
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.simulated import SimulatedDriver
+from wakeful.facts.asking import Kind
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
-from wakeful.facts.lines import Admitted, Concluded, Judged, Line, Published
+from wakeful.facts.lines import Admitted, Answered, Concluded, Judged, Line, Published
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import open_journal
 from wakeful.journal.sqlite import SqliteJournal
@@ -205,3 +207,13 @@ def finals_of(path: Path) -> list[str]:
                     final(entities[record.event], name, label, result.reading, result.state, record.label, record.verdict.value)
                 )
     return finals
+
+
+def answered(store: Path, _variant: str) -> set[str]:
+    """Whose outside call's answer is committed."""
+    path = store / "mind.db"
+    if not path.exists():
+        return set()
+    with open_journal(path, read_only=True) as journal:
+        records = [line.record for line in journal.lines()]
+    return {each.key for each in records if isinstance(each, Answered) and each.kind is Kind.CALL and not each.error}

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Coroutine
 
-from benchmarks.peers.learned import DOMAIN, draft
+from benchmarks.peers.drafting import draft
+from benchmarks.peers.learned import DOMAIN
 from benchmarks.peers.messages import Event, Evidence, Tick, decode
 from benchmarks.peers.of_wakeful import SOURCE, Fixed, evidence, finals_of, outcome, prepare, registry
 from benchmarks.peers.running import Run, size_of
@@ -30,14 +31,14 @@ class WakefulLive:
         self._before = size_of(run.store, "mind.db")
         kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
         journal: Journal = open_journal(self._path, full_sync=full_sync)
-        self._at_ns = 0
+        self._at_ns = first_ns = decode(run.messages[min(run.cursor, len(run.messages) - 1)]).at_ns
         self._mind = LiveDriver(
             kernel,
             journal,
             GuidelineReasoner(kernel.domain.spec),
             learner,
             source=SOURCE,
-            clock_ns=lambda: 0,
+            clock_ns=lambda: first_ns,
             closes_journal=True,
             group_s=run.load.group_s if run.load.rate else 0.0,
             monotonic_ns=lambda: self._at_ns,
@@ -73,6 +74,8 @@ class WakefulLive:
         message = decode(text)
         self._at_ns = message.at_ns
         if isinstance(message, Event):
+            if message.entity in self._run.acknowledged:  # in an earlier life
+                return asyncio.sleep(0)
             self._run.times.came[message.entity] = came_ns
             return self._admit(message)
         if isinstance(message, Tick):

@@ -13,8 +13,8 @@ from random import Random
 
 import msgspec
 
+from benchmarks.peers.kept import Facts
 from benchmarks.peers.lean import Lean
-from benchmarks.peers.lean import load as load_lean
 from benchmarks.peers.learned import clear, train
 from benchmarks.peers.messages import (
     CONTEXTS,
@@ -40,18 +40,6 @@ TICK_NS = 1_000_000_000
 
 EARLY, TWICE, NEVER = 0.03, 0.02, 0.05
 ACTED_ON = 0.1
-
-
-class Facts(msgspec.Struct, frozen=True):
-    """What a child must know of the workload beside its messages."""
-
-    seed: int
-    events: int
-    evidence: int
-    outcomes: int
-    messages: int
-    waiting: int
-    checksum: str
 
 
 class Workload(msgspec.Struct, frozen=True):
@@ -101,21 +89,6 @@ def save(workload: Workload, folder: Path) -> None:
     (folder / "card.json").write_bytes(encode(workload.card))
     (folder / "weights.bin").write_bytes(workload.weights)
     workload.lean.save(folder / "lean.npz")
-
-
-def facts_of(folder: Path) -> Facts:
-    """The facts that ``save`` wrote."""
-    return msgspec.json.decode((folder / "facts.json").read_bytes(), type=Facts)
-
-
-def messages_of(folder: Path) -> list[bytes]:
-    """The messages that ``save`` wrote."""
-    return (folder / "messages.jsonl").read_bytes().split(b"\n")
-
-
-def lean_of(folder: Path) -> Lean:
-    """The model that ``save`` wrote, folded."""
-    return load_lean(folder / "lean.npz")
 
 
 def _event(random: Random, number: int) -> Event:
