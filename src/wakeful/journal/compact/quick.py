@@ -24,7 +24,7 @@ _KNOWN: dict[type, str] = {
     Condition: "key phase",
     Event: "id kind entity source position stamp ordinal robot relation fields context condition criticality deadline_s says "
     "observations truth_treatment",
-    Choice: "basis shares prior novelty trust rests_on",
+    Choice: "basis shares prior novelty trust rests_on cell",
     Covered: "event process choice deadline_ns",
     Ran: "process event before steps_before steps treatment mode result closes_ns",
     Outcome: "id topic entity label at_ns event treatment acted_on origin source",
@@ -79,7 +79,7 @@ def quick_writers(words: Words, schema: Mapping[str, tuple[str, ...]], general: 
                 None if truth is None else words[truth],
             ),
             burst.process,
-            (basis(choice.basis), choice.shares, choice.prior, choice.novelty, choice.trust, choice.rests_on),
+            (basis(choice.basis), choice.shares, choice.prior, choice.novelty, choice.trust, choice.rests_on, choice.cell),
             burst.deadline_ns,
         )
 
