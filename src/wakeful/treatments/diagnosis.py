@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from wakeful.contracts.treatment import Mind
+from msgspec.structs import replace
+
+from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.asking import Episode
 from wakeful.facts.domain import Fault
 from wakeful.facts.events import Event
@@ -17,7 +19,9 @@ from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
+from wakeful.treatments.planning import planning
 from wakeful.treatments.remembering import age_s, of_robot, resting, similar
+from wakeful.treatments.routes import graph_of, trip_of
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.symptoms import findings, seen_in, told
 from wakeful.treatments.waiting import askable, patience_s
@@ -74,6 +78,8 @@ class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
     asked: tuple[str, ...] = ()
     heard: tuple[str, ...] = ()
     settled: bool = False
+    way_round: str = ""
+    """What planning, as a child process, found: the faulty thing stands in the way."""
 
 
 @treatment(
@@ -107,15 +113,35 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
         if check is None or offer is None or limit_s <= 0.0:
             break
         asked.append(check.symptom)
-        for evidence in await mind.evidence(offer.topic, offer.key, limit_s):
+        arrived = await mind.evidence(offer.topic, offer.key, limit_s)
+        for evidence in arrived:
             take_in(network, offer, evidence, known, heard)
+        if not arrived:  # a source that was silent once is not waited for again
+            offers = tuple(each for each in offers if each.address != offer.address)
         await mind.work(1)
         # while it waited the robot may have shown more
         recent = await _recent(event, mind, settings)
         known = {**findings(mind.domain.fault, event, recent), **known}
 
     said = await _suspicion(event, mind, network, known, past)
-    return _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard), said)
+    way_round = await _way_round(event, mind, network, known)
+    concluded = _conclude(event, mind, settings, network, known, recent, past, tuple(asked), tuple(heard), said)
+    if way_round is None:
+        return concluded
+    rests_on = (*concluded.rests_on, f"planning, as a child process: {way_round.says}")
+    return replace(concluded, way_round=way_round.says, rests_on=rests_on, proposes=(*concluded.proposes, *way_round.proposes))
+
+
+async def _way_round(event: Event, mind: Mind, network: Network, known: Mapping[str, bool]) -> Result | None:
+    """Where a faulty thing blocks a way, planning looks for another one while nobody knows when it will be repaired."""
+    trip = trip_of(event, graph_of(mind.domain))
+    in_the_way = bool(trip.shut_nodes or trip.shut_legs) and any(_explains(fault, event) for fault in network.faults)
+    if mind.mode != "delib" or not in_the_way or not any(known.values()):
+        return None
+    try:
+        return await mind.treat(planning.name, event)
+    except Refusal:
+        return None
 
 
 async def _suspicion(
