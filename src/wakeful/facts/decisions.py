@@ -66,3 +66,5 @@ class Decision(Fact, frozen=True):
     """Ids of the nearest experiences."""
     audit: Audit | None = None
     """What the guarantee gate did; None under the other gates, and for what novelty, trust or lack of experience held back."""
+    recalled: int = 0
+    """The id of the exemplar that the decision rests on; 0 where nothing sufficiently similar was remembered."""

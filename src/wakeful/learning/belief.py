@@ -1,0 +1,107 @@
+"""What repeated validations say of a thing that may change and is told with noise: a filter over both possibilities at once.
+
+A repetition that ends otherwise is either told wrongly or the world has changed. Which of the two it was shows later: what was
+told wrongly reverts, what has changed stays. So noise and change are estimated together, on a grid, from how well each pair has
+foretold what came: a hidden Markov model with unknown parameters, the forward filter (Rabiner 1989, Section III-A) for each pair.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+Floats = npt.NDArray[np.float64]
+
+NOISE: Final = (0.002, 0.01, 0.03, 0.08, 0.15, 0.25, 0.40)
+"""The share of validations that tell something else than what is so."""
+CHANGE: Final = (0.0003, 0.001, 0.003, 0.01, 0.03)
+"""The chance that a thing is redrawn from one experience of the mind to the next, whatever that is an experience of."""
+_NOISE = np.repeat(np.array(NOISE), len(CHANGE))
+_CHANGE = np.tile(np.array(CHANGE), len(NOISE))
+_PRIOR = np.log(np.exp(-np.array(NOISE) / 0.15).repeat(len(CHANGE)))
+
+MEMORY: Final = 60.0
+"""Validations over which the estimate forgets."""
+_LEAST = 1e-12
+
+
+class Repeatability:
+    """How noise and change have shown so far, over all things together: a weight for each pair of the grid."""
+
+    def __init__(self) -> None:
+        self._logs: Floats = np.zeros(len(_NOISE))
+
+    @property
+    def logs(self) -> Floats:
+        """The pairs' log weights, prior included, not normalised."""
+        return _PRIOR + self._logs
+
+    def learn(self, chances: Floats) -> None:
+        """One validation: the chance that each pair had given to what came, (pairs,)."""
+        self._logs *= 1.0 - 1.0 / MEMORY
+        self._logs += np.log(np.maximum(chances, _LEAST))
+        self._logs -= self._logs.max()
+
+    @property
+    def noise(self) -> float:
+        """The expected share of wrong validations."""
+        return float(_shares(self.logs) @ _NOISE)
+
+    @property
+    def change(self) -> float:
+        """The expected chance of a change from one experience to the next."""
+        return float(_shares(self.logs) @ _CHANGE)
+
+
+class Belief:
+    """What is held of one thing with k possible values, for each pair of the grid.
+
+    Args:
+        first: what is thought of it before anything was told, (k,).
+        at: the number of the experience before which that holds.
+        lean: how far ``first`` counts at most in what is held; how well it foretells tells of noise all the same.
+    """
+
+    def __init__(self, first: Floats, at: int, lean: float = 1.0) -> None:
+        self._p: Floats = np.tile(first, (len(_NOISE), 1))
+        self._lean = lean
+        self._own: Floats = np.zeros(len(_NOISE))
+        self._at = at
+        self.told = 0
+
+    def learn(self, value: int, at: int, common: Repeatability) -> None:
+        """It was told as ``value`` by experience ``at``; ``common`` learns from how well that had been foretold."""
+        p, k = self._aged(at), self._p.shape[1]
+        likely = np.full((len(_NOISE), k), (_NOISE / max(1, k - 1))[:, None])
+        likely[:, value] = 1.0 - _NOISE
+        common.learn((p * likely).sum(axis=1))
+        if not self.told:
+            even = 1.0 / k
+            p = even + (p - even) * self._lean
+        joint = p * likely
+        chances = joint.sum(axis=1)
+        self._p = joint / chances[:, None]
+        self._own += np.log(chances)
+        self._at = at
+        self.told += 1
+
+    def shares(self, at: int, common: Repeatability) -> Floats:
+        """The probability of each value before experience ``at``, (k,)."""
+        return np.round(_shares(common.logs + self._own) @ self._aged(at), 9)
+
+    def noise(self, common: Repeatability) -> float:
+        """The expected share of wrong validations of this very thing."""
+        return float(_shares(common.logs + self._own) @ _NOISE)
+
+    def _aged(self, at: int) -> Floats:
+        """What it may have been redrawn to since."""
+        even = 1.0 / self._p.shape[1]
+        kept = np.power(1.0 - _CHANGE, max(0, at - self._at))[:, None]
+        return np.asarray(even + (self._p - even) * kept)
+
+
+def _shares(logs: Floats) -> Floats:
+    weights = np.exp(logs - logs.max())
+    return np.asarray(weights / weights.sum())

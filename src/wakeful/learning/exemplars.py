@@ -1,0 +1,238 @@
+"""Exemplar memory beside the network: one validated experience suffices for the next event that is sufficiently similar.
+
+An exemplar stands for one event as it was met again and again. It holds what its validations have told so far, as a belief
+(`Belief`) over treatments and over outcomes: where validations have proved reliable one contradiction turns it, where they are
+noisy it takes more. How noisy they are is learned from all exemplars together.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Final
+
+import msgspec
+import numpy as np
+import numpy.typing as npt
+
+from wakeful.contracts.learner import Predictor, Vector
+from wakeful.facts.events import Event
+from wakeful.facts.experience import Experience, Verdict
+from wakeful.facts.lines import AnyRecord, Decided, Gained
+from wakeful.facts.recollection import Recollection
+from wakeful.learning.belief import Belief, Repeatability
+from wakeful.learning.episodes import Encode
+
+LIKE_ENOUGH: Final = 0.6
+"""How alike two events must be that agree in every category: 1 less what the model's forecasts for them differ by."""
+CLOSE: Final = 1e-3
+"""Numbers that differ by no more are the same, model or not."""
+LEAN: Final = 0.6
+"""How far a model's forecast counts before the first validation: no further, since it may be what has to be corrected."""
+AT_MOST: Final = 0.95
+"""No forecast is held to be surer than this: a model that is wrong must not look like an outcome that was told wrongly."""
+
+_PER_PATTERN = 32
+_PENDING = 10_000
+_TOLD = 32
+_DIGITS = 6
+
+
+class _Told(msgspec.Struct, frozen=True):
+    id: int
+    process: int
+    treatment: int
+    label: int
+    first: tuple[float, ...]
+
+
+class _Exemplar(msgspec.Struct):
+    id: int
+    features: Vector
+    told: list[_Told]
+    treatment: Belief
+    label: Belief
+    estimate: tuple[object, Vector] | None = None
+
+
+class Exemplars:
+    """At most ``limit`` exemplars; past that the ones least recently validated are forgotten. State is the fold of records.
+
+    Two events are sufficiently similar where they agree in every category and are told apart by numbers in which the model sees
+    no great difference: what an event's numbers mean is learned, which category it is in is given.
+
+    Args:
+        encode: the selector's encoder; columns in which nothing but 0 and 1 was seen are categories.
+        treatments: all registered treatments, in a fixed order.
+        labels: the domain's outcome labels.
+        limit: how many exemplars are remembered.
+    """
+
+    def __init__(self, encode: Encode, treatments: tuple[str, ...], labels: tuple[str, ...], limit: int = 4096) -> None:
+        self.treatments, self.labels, self.limit = treatments, labels, limit
+        self._encode = encode
+        self._treatment_at = {name: index for index, name in enumerate(treatments)}
+        self._label_at = {name: index for index, name in enumerate(labels)}
+        self.treatment_repeats, self.label_repeats = Repeatability(), Repeatability()
+        self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
+        self._like: dict[bytes, list[int]] = {}
+        self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._decided: OrderedDict[int, tuple[int, tuple[float, ...]]] = OrderedDict()
+        self._taught: OrderedDict[int, int] = OrderedDict()
+        self._now = 0
+
+    def __len__(self) -> int:
+        return len(self._exemplars)
+
+    @property
+    def noise(self) -> float:
+        """The expected share of wrong validations of outcomes."""
+        return round(self.label_repeats.noise, _DIGITS)
+
+    def recall(self, features: Vector, predictor: Predictor | None) -> Recollection | None:
+        """What is remembered of events like this one, shape (d,); None where there is none that is sufficiently similar.
+
+        Args:
+            features: of the event at hand.
+            predictor: the model version in use; without one only equal numbers are alike.
+        """
+        if not self._exemplars:
+            return None
+        found = self._likest(features, predictor)
+        if found is None:
+            return None
+        exemplar, likeness = found
+        # The event at hand would be validated next: that far everything may have changed.
+        at = self._now + 1
+        treatments = exemplar.treatment.shares(at, self.treatment_repeats)
+        labels = exemplar.label.shares(at, self.label_repeats)
+        right = int(treatments.argmax())
+        return Recollection(
+            exemplar=exemplar.id,
+            experiences=tuple(told.id for told in exemplar.told[:-4:-1]),
+            likeness=round(likeness, _DIGITS),
+            treatment=self.treatments[right] if exemplar.treatment.told else "",
+            treatment_share=round(float(treatments[right]), _DIGITS),
+            labels=dict(zip(self.labels, np.round(labels, _DIGITS).tolist(), strict=True)) if exemplar.label.told else {},
+            noise=round(exemplar.label.noise(self.label_repeats), _DIGITS),
+        )
+
+    def apply(self, record: AnyRecord, event: Event | None = None) -> None:
+        """Take up a record; all but Decided and Gained are passed over, and Gained where its event is no longer known."""
+        if isinstance(record, Decided):
+            decision = record.decision
+            prior = tuple(decision.prior.get(name, 0.0) for name in self.labels)
+            self._decided[record.process] = (decision.recalled, prior if decision.model and decision.mode != "fallback" else ())
+            if len(self._decided) > _PENDING:
+                self._decided.popitem(last=False)
+        elif isinstance(record, Gained) and event is not None:
+            recalled, prior = self._decided.get(record.experience.process, (0, ()))
+            self.learn(record.experience, self._encode(event), recalled, prior)
+
+    def learn(self, experience: Experience, features: Vector, recalled: int = 0, prior: tuple[float, ...] = ()) -> None:
+        """One validated experience.
+
+        Args:
+            experience: the outcome of an undecided one teaches nothing.
+            features: of its event, shape (d,).
+            recalled: the exemplar that its decision had rested on, 0 for none.
+            prior: what the model had forecast, over ``labels``; empty where it had no say.
+        """
+        treatment = self._treatment_at.get(experience.treatment_label, -1)
+        label = -1 if experience.verdict is Verdict.UNDECIDED else self._label_at.get(experience.outcome, -1)
+        self._now = max(self._now, experience.id)
+        if treatment < 0 and label < 0:
+            return
+        told = _Told(experience.id, experience.process, treatment, label, prior)
+        self._see(features)
+        exemplar = self._exemplars.get(recalled) or self._same(features) or self._found(told, features)
+        if self._taught.get(told.process) == exemplar.id:
+            # The world was heard late: what this process taught before is taken back.
+            self._again(exemplar, told)
+        else:
+            self._teach(exemplar, told, self.treatment_repeats, self.label_repeats)
+            exemplar.told.append(told)
+        self._taught[told.process] = exemplar.id
+        if len(self._taught) > _PENDING:
+            self._taught.popitem(last=False)
+        if not np.array_equal(exemplar.features, features):
+            exemplar.features, exemplar.estimate = features.copy(), None
+        self._exemplars.move_to_end(exemplar.id)
+        del exemplar.told[:-_TOLD]
+
+    def _teach(self, exemplar: _Exemplar, told: _Told, treatments: Repeatability, labels: Repeatability) -> None:
+        if told.treatment >= 0:
+            exemplar.treatment.learn(told.treatment, told.id, treatments)
+        if told.label >= 0:
+            exemplar.label.learn(told.label, told.id, labels)
+
+    def _again(self, exemplar: _Exemplar, told: _Told) -> None:
+        exemplar.told = [told if one.process == told.process else one for one in exemplar.told]
+        self._begin(exemplar, exemplar.told[0])
+        aside = Repeatability(), Repeatability()
+        for one in exemplar.told:
+            self._teach(exemplar, one, *aside)
+
+    def _found(self, told: _Told, features: Vector) -> _Exemplar:
+        exemplar = _Exemplar(told.id, features.copy(), [], Belief(np.ones(1), 0), Belief(np.ones(1), 0))
+        self._begin(exemplar, told)
+        self._exemplars[exemplar.id] = exemplar
+        self._like.setdefault(self._pattern(features), []).append(exemplar.id)
+        if len(self._exemplars) > self.limit:
+            self._forget(next(iter(self._exemplars)))
+        return exemplar
+
+    def _begin(self, exemplar: _Exemplar, told: _Told) -> None:
+        exemplar.treatment = Belief(np.full(len(self.treatments), 1.0 / len(self.treatments)), told.id)
+        even = 1.0 / len(self.labels)
+        first = np.clip(told.first, 1.0 - AT_MOST, AT_MOST) if told.first else np.full(len(self.labels), even)
+        exemplar.label = Belief(first, told.id, lean=LEAN)
+
+    def _same(self, features: Vector) -> _Exemplar | None:
+        found = self._likest(features, None)
+        return None if found is None else found[0]
+
+    def _likest(self, features: Vector, predictor: Predictor | None) -> tuple[_Exemplar, float] | None:
+        """The likest exemplar that is like enough, of equally like ones the one last founded."""
+        best: tuple[_Exemplar, float] | None = None
+        own: Vector | None = None
+        for identity in reversed(self._like.get(self._pattern(features), ())):
+            exemplar = self._exemplars[identity]
+            if float(np.abs(exemplar.features - features).max()) <= CLOSE:
+                return exemplar, 1.0
+            if predictor is None:
+                continue
+            own = self._heads(predictor, features) if own is None else own
+            if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
+                exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
+            # Half the sum of both heads' differences: no less than the greater of their total variations.
+            likeness = round(1.0 - 0.5 * float(np.abs(own - exemplar.estimate[1]).sum()), _DIGITS)
+            if likeness >= LIKE_ENOUGH and (best is None or likeness > best[1]):
+                best = exemplar, likeness
+        return best
+
+    def _heads(self, predictor: Predictor, features: Vector) -> Vector:
+        estimate = predictor.estimate(features)
+        return np.concatenate([estimate.treatments, estimate.labels])
+
+    def _see(self, features: Vector) -> None:
+        """Columns with other numbers than 0 and 1 are no categories, from now on."""
+        numeric = (features != 0.0) & (features != 1.0)
+        if not len(self._numeric):
+            self._numeric = numeric
+        elif (numeric & ~self._numeric).any():
+            self._numeric = self._numeric | numeric
+            self._like = {}
+            for exemplar in self._exemplars.values():
+                self._like.setdefault(self._pattern(exemplar.features), []).append(exemplar.id)
+
+    def _pattern(self, features: Vector) -> bytes:
+        return np.packbits((features == 1.0) & ~self._numeric).tobytes()
+
+    def _forget(self, identity: int) -> None:
+        gone = self._exemplars.pop(identity)
+        pattern = self._pattern(gone.features)
+        left = [each for each in self._like.get(pattern, ()) if each != identity]
+        if left:
+            self._like[pattern] = left
+        else:
+            self._like.pop(pattern, None)
