@@ -23,7 +23,7 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.peers import postgres
-from benchmarks.peers.crashes import killed
+from benchmarks.peers.crashes import ROOT, killed
 from benchmarks.peers.report import Found, row_of, stages, table
 from benchmarks.peers.running import Load
 from benchmarks.peers.systems import SYSTEMS
@@ -37,7 +37,7 @@ def child(system: str, variant: str, workload: Path, store: Path, load: Load) ->
     command = [sys.executable, "-m", "benchmarks.peers.child", system, variant, str(workload), str(store)]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     given = msgspec.json.encode(load).decode()
-    ended = subprocess.run([*command, given], capture_output=True, text=True, check=False, env=environment)
+    ended = subprocess.run([*command, given], capture_output=True, text=True, check=False, env=environment, cwd=ROOT)
     if ended.returncode:
         raise SystemExit(f"{system} {variant} failed:\n{ended.stderr}")
     return dict(json.loads(ended.stdout.splitlines()[-1]))

@@ -23,6 +23,9 @@ import msgspec
 from benchmarks.peers.running import Load
 from benchmarks.peers.systems import SYSTEMS
 
+#: From where `benchmarks` is imported.
+ROOT = Path(__file__).parents[2]
+
 #: A restart that takes longer has failed.
 LIMIT_S = 300.0
 
@@ -63,6 +66,7 @@ def _start(system: str, variant: str, workload: Path, store: Path, load: Load) -
         stderr=subprocess.PIPE,
         text=True,
         env=environment,
+        cwd=ROOT,
     )
 
 
@@ -97,7 +101,7 @@ def _called(store: Path) -> list[str]:
 
 def _answered(system: str, variant: str, store: Path) -> set[str]:
     words = [sys.executable, "-m", "benchmarks.peers.crashes", system, variant, str(store)]
-    return set(json.loads(subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()[-1]))
+    return set(json.loads(subprocess.run(words, capture_output=True, text=True, check=True, cwd=ROOT).stdout.splitlines()[-1]))
 
 
 if __name__ == "__main__":
