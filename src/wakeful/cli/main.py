@@ -10,6 +10,7 @@ from wakeful.cli.audit import audit_command
 from wakeful.cli.debt import debt_command
 from wakeful.cli.experience import experience_group
 from wakeful.cli.export import export_command
+from wakeful.cli.guarantee import guarantee_command
 from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
 from wakeful.cli.mistakes import OneLine
@@ -58,6 +59,7 @@ for command in (
     stats_command,
     trust_command,
     learning_command,
+    guarantee_command,
     rollback_command,
     revisit_command,
     domains_command,

@@ -31,6 +31,31 @@ journal_option = option(
     help="The journal file. Without it: the one that was written last in the state directory.",
 )
 
+
+def alpha_option(default: float | None) -> Callable[[F], F]:
+    """The risk under which automatic processing is held."""
+    unless = "Without it: the journal's, or 0.05." if default is None else ""
+    return option(
+        "--alpha",
+        type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+        default=default,
+        show_default=default is not None,
+        help=f"Under the guarantee: the risk P(wrong and automatic) that each treatment may run. {unless}".rstrip(),
+    )
+
+
+def delta_option(default: float | None) -> Callable[[F], F]:
+    """How often the guarantee may fail."""
+    unless = "Without it: the journal's, or 0.05." if default is None else ""
+    return option(
+        "--delta",
+        type=click.FloatRange(0.0, 1.0, min_open=True, max_open=True),
+        default=default,
+        show_default=default is not None,
+        help=f"Under the guarantee: the probability with which it may fail. {unless}".rstrip(),
+    )
+
+
 json_option = option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")
 
 

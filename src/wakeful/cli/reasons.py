@@ -56,7 +56,7 @@ def _weights(journal: SqliteJournal, read: History, told: Story, decision: Decis
 
 def _gate(decision: Decision) -> None:
     say("  automatic only if")
-    for text, holds in gate_lines(decision.gate):
+    for text, holds in gate_lines(decision.gate, decision.audit):
         say(f"    {'yes' if holds else 'no '}  {text}")
 
 

@@ -11,7 +11,7 @@ import click
 import msgspec
 
 from wakeful.cli.mistakes import Mistake
-from wakeful.cli.options import json_option, option, print_json
+from wakeful.cli.options import alpha_option, delta_option, json_option, option, print_json
 from wakeful.cli.progress import Progress, Stop, stoppable
 from wakeful.cli.sources import Source, default_journal, find_source
 from wakeful.cli.summary import print_summary
@@ -27,7 +27,7 @@ from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.drivers.spending import KINDS, spent
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Opened
-from wakeful.facts.settings import MindSettings
+from wakeful.facts.settings import Gating, MindSettings
 from wakeful.journal.acts import ActSpool
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 from wakeful.journal.views import Summary, View, summary
@@ -104,6 +104,23 @@ class Speed(click.ParamType[float]):
     show_default=True,
     help="Share of the steps that is kept free for the robot's own task.",
 )
+@option(
+    "--gate",
+    type=click.Choice(["benefit", "threshold", "guarantee"]),
+    default="benefit",
+    show_default=True,
+    help="When a treatment may be automatic: where deliberation would do no better, from the paper's threshold on, or where its "
+    "risk is held under --alpha.",
+)
+@alpha_option(0.05)
+@delta_option(0.05)
+@option(
+    "--audit-rate",
+    type=click.FloatRange(0.0, 1.0, min_open=True),
+    default=0.2,
+    show_default=True,
+    help="Under the guarantee: the probability with which an automatic event's outcome counts as evidence.",
+)
 @option("--robot", default=None, metavar="NAME", help="The robot's name, where the source does not say it.")
 @json_option
 @click.pass_context
@@ -118,6 +135,10 @@ def run_command(
     reasoner: str,
     consult: bool | None,
     primary_share: float,
+    gate: Gating,
+    alpha: float,
+    delta: float,
+    audit_rate: float,
     robot: str | None,
     as_json: bool,
 ) -> None:
@@ -139,7 +160,15 @@ def run_command(
         thinker = _reasoner(reasoner, found, opened)
         before = summary(opened, strange=0) if opened.last else None
         consults = reasoner == "openai" if consult is None else consult
-        settings = MindSettings(seed=seed, primary_share=primary_share, consult=consults)
+        settings = MindSettings(
+            seed=seed,
+            primary_share=primary_share,
+            consult=consults,
+            gate=gate,
+            alpha=alpha,
+            delta=delta,
+            audit_rate=audit_rate,
+        )
         items = _drive(found, opened, thinker, settings, speed, limit, stop)
         told = summary(opened)
     this = _this_run(told, before, items, time.monotonic() - began_s, bool(stop.signal))

@@ -194,8 +194,8 @@ class Trusted(Record, frozen=True):
 class Certified(Record, frozen=True):
     """A treatment may be automatic for scores from ``level`` on, by one model version: its risk is held under ``alpha``.
 
-    ``number`` counts the treatment's certificates; this one is wrong with probability at most ``delta``, which is what the
-    user's allows for it. ``events`` is the evidence, ``drawn`` of it with a known outcome, ``errors`` wrong at that level.
+    ``number`` counts the treatment's certificates; this one is wrong with probability at most ``delta``, which is its part of
+    the user's, ``promised``. ``events`` is the evidence, ``drawn`` of it with a known outcome, ``errors`` wrong at that level.
     """
 
     treatment: str
@@ -204,6 +204,7 @@ class Certified(Record, frozen=True):
     level: float
     alpha: float
     delta: float
+    promised: float
     bound: float
     events: int
     drawn: int

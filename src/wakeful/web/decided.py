@@ -97,7 +97,7 @@ def _gate(decided: Decision) -> Markup:
         "ul",
         *(
             element("li", element("span", "yes" if holds else "no", class_="yes" if holds else "no"), f" {says}")
-            for says, holds in gate_lines(decided.gate)
+            for says, holds in gate_lines(decided.gate, decided.audit)
         ),
         class_="gate",
     )

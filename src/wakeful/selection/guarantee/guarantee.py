@@ -204,6 +204,7 @@ def _change(treatment: str, standing: Standing) -> Certified | Revoked | None:
         level=level,
         alpha=own.alpha,
         delta=delta,
+        promised=own.delta,
         bound=round(float(standing.tally.bound(delta)[place]), _DIGITS),
         events=standing.events,
         drawn=standing.known,

@@ -123,9 +123,22 @@ class Standing:
 
     @property
     def bound(self) -> float:
-        """The risk now: an upper bound at every time at once, at the level in force (the strictest where none is)."""
-        place = LEVELS.index(self.level) if self.level in LEVELS else 0
-        return float(self.tally.bound(self.settings.delta_of(self.number))[place])
+        """The risk now: an upper bound at every time at once, at the level in force (the strictest where none is).
+
+        What held when the level was certified holds on: of the two bounds the lesser counts.
+        """
+        now = float(self.tally.bound(self.settings.delta_of(self.number))[self._place])
+        held = self.certificate
+        return min(now, held.bound) if held is not None and self.level < NOTHING else now
+
+    @property
+    def errors_now(self) -> int:
+        """How many of the drawn events were wrong at the level in force (the strictest where none is)."""
+        return int(self.tally.errors[self._place])
+
+    @property
+    def _place(self) -> int:
+        return LEVELS.index(self.level) if self.level in LEVELS else 0
 
     @property
     def needed(self) -> int:
