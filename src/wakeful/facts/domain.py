@@ -178,6 +178,8 @@ class DomainSpec(Fact, frozen=True):
     guideline: tuple[Guideline, ...] = ()
     hazard: tuple[Hazard, ...] = ()
     fault: tuple[Fault, ...] = ()
+    one_fault: bool = False
+    """Exactly one of the faults is there at a time, or none; else they come independently of one another."""
     route: tuple[Route, ...] = ()
     cause: tuple[Cause, ...] = ()
     treatments: tuple[str, ...] = ()

@@ -19,6 +19,7 @@ from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
 from wakeful.treatments.noisy_or import Network
+from wakeful.treatments.one_fault import network_of
 from wakeful.treatments.planning import planning
 from wakeful.treatments.remembering import age_s, of_robot, resting, similar
 from wakeful.treatments.routes import graph_of, trip_of
@@ -99,7 +100,7 @@ async def diagnose(event: Event, mind: Mind, settings: DiagnosisSettings) -> Dia
     and Williams 1987). It stops when a fault passes the threshold, or nothing more can be asked that would tell enough.
     """
     await mind.work(2)
-    network = Network(mind.domain.fault, settings.leak)
+    network = network_of(mind.domain, settings.leak)
     recent = await _recent(event, mind, settings)
     known = findings(mind.domain.fault, event, recent)
     past = await similar(event, mind, settings.cases)
