@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import get_args
 
 import click
 import msgspec
@@ -11,24 +12,30 @@ import msgspec
 from wakeful.cli.options import json_option, option, print_json
 from wakeful.cli.progress import Progress as Bar
 from wakeful.cli.terminal import heading, paragraph, say, table
-from wakeful.experiments import exp2_figures, exp2_processing, exp2_variants
+from wakeful.contracts.reasoner import ReasonerError
+from wakeful.deliberation import SettingsError
+from wakeful.experiments import exp1_treatment, exp2_figures, exp2_processing, exp2_variants
+from wakeful.experiments.exp1_asking import ReasonerName
 from wakeful.experiments.rows import Progress, Reproduced, Row, table_cells
 
 _COLUMNS = ("method", "workload", "metric", "paper", "ours", "z", "s.e.")
 
 
 class Experiment(msgspec.Struct, frozen=True):
-    """One experiment as the command knows it. ``runs_per_seed`` is for the progress bar alone."""
+    """One experiment as the command knows it. ``runs_per_seed`` is for the progress bar alone; ``reasoned`` is there in place of
+    ``reproduce`` where somebody deliberates; ``draw`` where the rows alone make the figures."""
 
     seeds: tuple[int, ...]
     runs_per_seed: int
-    reproduce: Callable[[Sequence[int], Progress], Reproduced]
-    draw: Callable[[list[Row], Path], list[Path]]
+    reproduce: Callable[[Sequence[int], Progress], Reproduced] | None = None
+    draw: Callable[[list[Row], Path], list[Path]] | None = None
+    reasoned: Callable[[Sequence[int], Progress, ReasonerName], Reproduced] | None = None
 
 
 _WORKLOADS = sum(len(parameters.loads) for parameters in exp2_processing.PARAMETER_SETS)
 
 EXPERIMENTS: dict[str, Experiment] = {
+    "exp1": Experiment(exp1_treatment.SEEDS, exp1_treatment.RUNS_PER_SEED, reasoned=exp1_treatment.reproduce),
     "exp2": Experiment(
         exp2_processing.SEEDS, _WORKLOADS * len(exp2_processing.METHODS), exp2_processing.reproduce, exp2_figures.draw_completion
     ),
@@ -48,9 +55,17 @@ EXPERIMENTS: dict[str, Experiment] = {
 @click.argument("experiment", type=click.Choice([*EXPERIMENTS]))
 @option("--seeds", "count", type=click.IntRange(min=1), default=None, help="How many seeds. Without it: the project's own list.")
 @option("--first-seed", type=int, default=None, help="Seeds S, S+1, … in place of the project's own list.")
+@option(
+    "--reasoner",
+    type=click.Choice(get_args(ReasonerName)),
+    default="stand-in",
+    help="Who deliberates, where somebody does. The stand-in errs at stated rates; openai is set up by the environment.",
+)
 @option("--out", type=click.Path(path_type=Path, file_okay=False), default=None, help="Write rows and figures to this folder.")
 @json_option
-def reproduce_command(experiment: str, count: int | None, first_seed: int | None, out: Path | None, as_json: bool) -> None:
+def reproduce_command(
+    experiment: str, count: int | None, first_seed: int | None, reasoner: ReasonerName, out: Path | None, as_json: bool
+) -> None:
     """Run one of the paper's experiments and print its tables beside the paper's figures.
 
     z is the distance from the paper's mean in units of its standard deviation, s.e. in standard errors of its ten-seed mean.
@@ -59,10 +74,15 @@ def reproduce_command(experiment: str, count: int | None, first_seed: int | None
     seeds = chosen_seeds(chosen.seeds, count, first_seed)
     bar = Bar(chosen.runs_per_seed * len(seeds))
     try:
-        found = chosen.reproduce(seeds, bar.show)
+        if chosen.reasoned is not None:
+            found = chosen.reasoned(seeds, bar.show, reasoner)
+        else:
+            found = chosen.reproduce(seeds, bar.show) if chosen.reproduce is not None else Reproduced([])
+    except (SettingsError, ReasonerError) as error:
+        raise click.ClickException(str(error)) from error
     finally:
         bar.clear()
-    written = _write(experiment, found.rows, chosen, out) if out is not None else []
+    written = _write(experiment, found, chosen, out) if out is not None else []
     if as_json:
         print_json(found.rows)
         return
@@ -83,11 +103,13 @@ def chosen_seeds(own: tuple[int, ...], count: int | None, first_seed: int | None
     return (*own, *range(max(own) + 1, max(own) + 1 + count))[:count]
 
 
-def _write(experiment: str, rows: list[Row], chosen: Experiment, out: Path) -> list[Path]:
+def _write(experiment: str, found: Reproduced, chosen: Experiment, out: Path) -> list[Path]:
     out.mkdir(parents=True, exist_ok=True)
     path = out / f"{experiment}.json"
-    path.write_bytes(msgspec.json.format(msgspec.json.encode(rows), indent=2) + b"\n")
-    return [path, *chosen.draw(rows, out)]
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(found.rows), indent=2) + b"\n")
+    if found.draw is not None:
+        return [path, *found.draw(out)]
+    return [path, *(chosen.draw(found.rows, out) if chosen.draw is not None else [])]
 
 
 def _print(rows: list[Row], seeds: tuple[int, ...]) -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from statistics import fmean, stdev
 
 import msgspec
@@ -55,10 +56,11 @@ Progress = Callable[[int, int], None]
 
 
 class Reproduced(msgspec.Struct, frozen=True):
-    """An experiment's rows, and sentences on what they show."""
+    """An experiment's rows, and sentences on what they show. ``draw``: its figures, where rows alone don't make them."""
 
     rows: list[Row]
     remarks: list[str] = []
+    draw: Callable[[Path], list[Path]] | None = None
 
 
 @cache
@@ -93,7 +95,8 @@ def row(
 def _z(mean: float, cell: PaperCell) -> float | None:
     if cell.paper_sd:
         return round((mean - cell.paper_mean) / cell.paper_sd, _DIGITS)
-    return 0.0 if mean == cell.paper_mean and cell.paper_sd is not None else None
+    # Figures are published to two decimals.
+    return 0.0 if round(mean, 2) == cell.paper_mean and cell.paper_sd is not None else None
 
 
 def spread(mean: float | None, sd: float | None) -> str:

@@ -123,6 +123,8 @@ _PAIRS = {"training": 1, "calibration": 2, "test": 4}
 _HARD_OF = 4
 _RANDOM = {"training": 258, "calibration": 24, "test": 48}
 _STREAM = {"training": 1, "calibration": 2, "test": 3}
+_FIRST_NUMBER = {"training": 0, "calibration": 60, "test": 72}
+"""Where a split's objects begin in their category's numbering: a name doesn't say which split it is of."""
 _ASIDE = {"location": "center", "state": "normal", "route": "none", "context": "none"}
 
 _Object = tuple[str, int]
@@ -221,7 +223,7 @@ class _Drawing:
             context=looks["context"],
             load=drawn if load is None else load,
             descriptor=tuple(float(value) for value in self._objects[category][number]),
-            entity=f"{category}-{self._split}-{number:02d}",
+            entity=f"{category}-{_FIRST_NUMBER[self._split] + number:02d}",
             truth="",
             ruled="",
             pair=pair,

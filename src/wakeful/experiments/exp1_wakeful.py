@@ -1,0 +1,60 @@
+"""Experiment 1's ``wakeful``: the product's encoder, learner, selector and gate, as they ship."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wakeful.experiments.exp1_events import events, spec
+from wakeful.experiments.exp1_methods import Choice, Trial
+from wakeful.experiments.worlds.service_events import TREATMENTS
+from wakeful.facts.inputs import TrainingJob
+from wakeful.learning.two_heads import TwoHeads
+from wakeful.selection.selector import SelectionSettings, Selector
+
+#: Experiment 1 has no outcomes, so that the result head must not be asked for confidence, and no unfamiliar kinds of events.
+GATE = SelectionSettings(result_confidence=0.0, novelty_limit=1.0)
+
+
+def wakeful(given: Trial, identity: bool = True) -> list[Choice]:
+    """Learn from the training events, hold back the calibration events, decide for the test events, and ask as the gate says."""
+    learner = TwoHeads()
+    selector = Selector(spec(identity), TREATMENTS, learner, GATE)
+    card, weights = learner.train(job_of(given, selector, identity))
+    selector.use(card, weights)
+    found = []
+    for event in events(given.world, "test", identity):
+        decision = selector.decide(event, {}, (), card.watermark)
+        asked = decision.mode == "delib"
+        found.append(
+            Choice(
+                treatment=given.advice.get(event.id, decision.treatment) if asked else decision.treatment,
+                learned=decision.treatment,
+                automatic=decision.mode == "auto",
+                asked=asked,
+                confidence=decision.confidence,
+            )
+        )
+    return found
+
+
+def job_of(given: Trial, selector: Selector, identity: bool = True) -> TrainingJob:
+    """The training as the kernel's learning room would make it: calibration events are the held-back rows."""
+    learned, kept = events(given.world, "training", identity), events(given.world, "calibration", identity)
+    n = len(learned) + len(kept)
+    none = np.full(n, -1)
+    return TrainingJob(
+        training=1,
+        base_version=0,
+        base_weights=b"",
+        watermark=n,
+        seed=given.world.seed,
+        epochs=140,
+        treatments=TREATMENTS,
+        labels=selector.spec.outcome.labels,
+        features=np.stack([selector.encode(event) for event in (*learned, *kept)]),
+        treatment=np.array([TREATMENTS.index(event.truth_treatment or "") for event in (*learned, *kept)]),
+        result=none,
+        refuted=none,
+        weight=np.ones(n),
+        held_back=np.arange(n) >= len(learned),
+    )
