@@ -10,6 +10,7 @@ import pytest
 
 from wakeful import kernel
 from wakeful.admission.admission import Admission
+from wakeful.admission.overload import Overload
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning
@@ -30,6 +31,7 @@ CLASSES: dict[str, type] = {
         Sources,
         SpecRegistrar,
         Admission,
+        Overload,
         Selector,
         Guarantee,
         Scheduler,
@@ -46,6 +48,7 @@ CLASSES: dict[str, type] = {
 ROOMS = {
     "_sources": Sources,
     "_admission": Admission,
+    "_overload": Overload,
     "_selector": Selector,
     "_guarantee": Guarantee,
     "_scheduler": Scheduler,

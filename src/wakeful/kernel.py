@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from wakeful.admission import Admission, Counts
+from wakeful.admission.overload import Overload
 from wakeful.contracts.domain import Domain
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
@@ -91,6 +92,7 @@ class Kernel:
         self._sources = Sources(domain, settings.seed)
         self._events: OrderedDict[str, Event] = OrderedDict()
         self._admission = Admission()
+        self._overload = Overload(settings.overload)
         self._guarantee = guarantee_of(settings)
         self._selector = Selector(spec, options, learner, SelectionSettings(), self._guarantee)
         self._episodes = Episodes(self._selector.encode)
@@ -119,6 +121,11 @@ class Kernel:
     def runnable(self) -> int:
         """How many processes could use a slot now, or hold one."""
         return self._scheduler.processes.runnable
+
+    @property
+    def backlog(self) -> int:
+        """How many processes have not begun to be treated, or queue for the reasoner."""
+        return self._scheduler.processes.backlog
 
     @property
     def counts(self) -> Counts:
@@ -232,9 +239,15 @@ class Kernel:
         digest = self._sources.states[draft.source].digest
         stamp = Stamp(source_ns=draft.at_ns, clock=draft.clock, uncertainty_ns=draft.uncertainty_ns, received_ns=self._now_ns)
         record = self._admission.admit(draft, digest, stamp)
-        self.write(record)
         if isinstance(record, Admitted):
-            self._start(record.event)
+            load = self._scheduler.load(draft.source)
+            if objection := self._overload.objection(record.event, load):
+                self.write(self._admission.reject(draft, objection))
+                return
+            self.write(record)
+            self._start(record.event, why=self._overload.sheds(record.event, load))
+        else:
+            self.write(record)
 
     def _start(self, event: Event, reopens: int = 0, why: str = "") -> int:
         decision = self._select(event)
@@ -242,6 +255,9 @@ class Kernel:
             # What was refuted is not done again unthinkingly.
             mode = "delib" if decision.mode == "auto" else decision.mode
             decision = msgspec.structs.replace(decision, mode=mode, audit=None, reasons=(why, *decision.reasons))
+        elif why and decision.mode == "delib":
+            # Coverage before deliberation: a provisional treatment now, a better one is owed.
+            decision = msgspec.structs.replace(decision, mode="fallback", audit=None, reasons=(why, *decision.reasons))
         deadline_ns = None if event.deadline_s is None else self._now_ns + to_ns(event.deadline_s)
         return self._scheduler.create(event, decision, deadline_ns=deadline_ns, reopens=reopens)
 

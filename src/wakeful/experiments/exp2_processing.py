@@ -36,6 +36,7 @@ from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Begin, Input
 from wakeful.facts.lines import Admitted, Created, Line, Moved
 from wakeful.facts.packs import expanded
+from wakeful.facts.overload import UNLIMITED
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
@@ -140,7 +141,7 @@ class ServiceLoadDomain:
 
 def new_kernel(policy: Policy) -> Kernel:
     """The product's kernel for this experiment: one slot, a step a second, steps begin on whole seconds."""
-    settings = MindSettings(slots=1, step_s=1.0, slotted=True, keep_evidence_s=float(2 * STEPS))
+    settings = MindSettings(slots=1, step_s=1.0, slotted=True, keep_evidence_s=float(2 * STEPS), overload=UNLIMITED)
     return Kernel(ServiceLoadDomain(), Registry(own=(paced,), installed=()), TwoHeads(), policy, settings)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from wakeful.facts.overload import OverloadSettings
 from wakeful.facts.values import Fact
 
 Gating = Literal["benefit", "threshold", "guarantee"]
@@ -24,7 +25,8 @@ class MindSettings(Fact, frozen=True):
     ``consult``: in delib mode treatments put typed questions of their own to the reasoner, beside the one that chooses the
     treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
     processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
-    crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt.
+    crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt. ``overload``: what is given up, in which
+    order, when more comes than can be thought about.
 
     ``gate`` says when a treatment may be automatic: ``benefit``, where deliberation would do no better; ``threshold``, from
     the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
@@ -40,6 +42,7 @@ class MindSettings(Fact, frozen=True):
     max_requests: int = 256
     max_depth: int = 8
     tries: int = 3
+    overload: OverloadSettings = OverloadSettings()
     seed: int = 0
     keep_evidence_s: float = 30.0
     reopen_limit: int = 8

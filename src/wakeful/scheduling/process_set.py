@@ -13,6 +13,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved, Noted
 from wakeful.facts.processes import State, Trigger, after
+from wakeful.scheduling.backlog import Backlog
 from wakeful.scheduling.crashes import Crashes
 from wakeful.scheduling.process import Process
 from wakeful.scheduling.reasoner_calls import ReasonerCalls
@@ -34,6 +35,7 @@ class ProcessSet:
         self.policy = policy
         self.reasoner_calls = ReasonerCalls(reasoner_slots)
         self.crashes = Crashes()
+        self.not_begun = Backlog()
         self._learns = policy if isinstance(policy, LearningPolicy) else None
         self._event_of = event_of
         self._open: dict[int, Process] = {}
@@ -59,6 +61,11 @@ class ProcessSet:
     def runnable(self) -> int:
         """How many processes could use a slot, or hold one; those that an operator holds can't."""
         return len(self._runnable) + len(self._active) - sum(1 for each in self._held if each in self._runnable)
+
+    @property
+    def backlog(self) -> int:
+        """How many have not begun to be treated, or queue for the reasoner."""
+        return len(self.not_begun) + self.reasoner_calls.queued
 
     def acted(self, identity: str) -> bool:
         """Whether an act of that id was taken up before."""
@@ -147,6 +154,7 @@ class ProcessSet:
         )
         self._open[process.id] = process
         self._last = process.id
+        self.not_begun.came(process.id, event.source, now_ns)
         if event.condition is not None and not record.parent:
             self._by_condition.setdefault(event.condition.key, []).append(process.id)
 
@@ -176,6 +184,8 @@ class ProcessSet:
         process = self._open[record.process]
         before = process.state
         process.state = after(before, record.trigger)
+        if before is State.CREATED:
+            self.not_begun.left(process.id)
         process.steps = record.steps
         if before is State.ACTIVE:
             self._active.remove(process.id)
@@ -238,12 +248,15 @@ class ProcessSet:
             return
         if record.act == "hold":
             process.held_by = record.who or "an operator"
+            self.not_begun.left(process.id)
             self._held.add(process.id)
             self.policy.gone(process.id, now_ns)
             self.reasoner_calls.hold(process.id)
         elif record.act == "release" and process.held:
             process.held_by = ""
             self._held.discard(process.id)
+            if process.state is State.CREATED:
+                self.not_begun.came(process.id, process.event.source, now_ns)
             self.reasoner_calls.let_go(process.id, now_ns)
             if process.state is State.WAITING:
                 self.policy.waiting(process.view(), now_ns)

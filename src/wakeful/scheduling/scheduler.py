@@ -12,9 +12,10 @@ from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Act, Answer
 from wakeful.facts.lines import Acted, Concluded, Created, Decided
+from wakeful.facts.overload import Load
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
-from wakeful.facts.time import to_ns
+from wakeful.facts.time import to_ns, to_s
 from wakeful.facts.values import NOTHING
 from wakeful.scheduling.agenda import Agenda, Rank
 from wakeful.scheduling.asking import Asking
@@ -62,6 +63,13 @@ class Scheduler:
         self._agenda = Agenda(self.processes, self._step_ns)
         self._asking = Asking(host, self.processes, self._agenda, shelf)
         self._running = Running(host, self.processes, self._coroutines, self._asking, self._begin_child)
+
+    def load(self, source: str) -> Load:
+        """How much is to be thought about now, and how much of it is of that source."""
+        not_begun = self.processes.not_begun
+        oldest_ns = not_begun.oldest_ns
+        oldest_s = 0.0 if oldest_ns is None else to_s(self._host.now_ns - oldest_ns)
+        return Load(self.processes.backlog, not_begun.of(source), oldest_s, len(self.processes))
 
     def mark_on(self, page: Page) -> None:
         """Say on that page, from now on, whose treatment's code is running."""
