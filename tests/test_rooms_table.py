@@ -15,7 +15,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning
 from wakeful.registration import Sources, SpecRegistrar
-from wakeful.revision import Revision
+from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.scheduling.scheduler import Scheduler
@@ -43,6 +43,7 @@ CLASSES: dict[str, type] = {
         Episodes,
         Counsel,
         Revision,
+        Debts,
     )
 }
 ROOMS = {
@@ -57,6 +58,7 @@ ROOMS = {
     "_episodes": Episodes,
     "_counsel": Counsel,
     "_revision": Revision,
+    "_debts": Debts,
 }
 ROWS = [line.split("|")[1:4] for line in PAGE.read_text().partition("## Rooms")[2].splitlines() if line.startswith("| ")][1:]
 

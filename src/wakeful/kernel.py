@@ -21,7 +21,7 @@ from wakeful.contracts.policy import Policy
 from wakeful.facts.asking import Episode, Query, Reply
 from wakeful.facts.crash_points import reach
 from wakeful.facts.crashes import Page
-from wakeful.facts.decisions import Decision
+from wakeful.facts.decisions import Decision, Mode
 from wakeful.facts.events import Draft, Event, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
@@ -51,7 +51,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.registration import CLEARED, Sources, SourceState
-from wakeful.revision import Revision
+from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
 from wakeful.selection.guarantee import guarantee_of
@@ -104,6 +104,7 @@ class Kernel:
         self._counsel = Counsel()
         self._weights = b""
         self._versions: dict[int, tuple[ModelCard, bytes]] = {}
+        self._debts = Debts(settings.repay_after_s, settings.repay_every_s)
         self._revision = Revision(spec)
         self._lines: list[Line] = []
         self._blobs: dict[str, bytes] = {}
@@ -249,11 +250,11 @@ class Kernel:
         else:
             self.write(record)
 
-    def _start(self, event: Event, reopens: int = 0, why: str = "") -> int:
+    def _start(self, event: Event, reopens: int = 0, why: str = "", mode: Mode | None = None) -> int:
         decision = self._select(event)
         if reopens:
             # What was refuted is not done again unthinkingly.
-            mode = "delib" if decision.mode == "auto" else decision.mode
+            mode = mode or ("delib" if decision.mode == "auto" else decision.mode)
             decision = msgspec.structs.replace(decision, mode=mode, audit=None, reasons=(why, *decision.reasons))
         elif why and decision.mode == "delib":
             # Coverage before deliberation: a provisional treatment now, a better one is owed.
@@ -315,6 +316,19 @@ class Kernel:
             process = self._scheduler.processes.next_id
             self.write(Reopened(process=process, reopens=stale.process, event=stale.event, because=stale.because))
             self._start(event, reopens=stale.process, why=stale.because)
+
+    def _repay(self) -> None:
+        """The riskiest event whose deliberation was refused is thought about again."""
+        debt = self._debts.due(self._now_ns)
+        if debt is None:
+            return
+        event = self._events.get(debt.event)
+        if event is None:
+            self._debts.forget(debt.event)
+            return
+        because = f"it was treated provisionally in process {debt.process}: the reasoner had not answered"
+        self.write(Reopened(process=self._scheduler.processes.next_id, reopens=debt.process, event=debt.event, because=because))
+        self._start(event, reopens=debt.process, why=because, mode="delib")
 
     def closed_to(self, act: Act) -> str:
         """Why a completed process cannot be reopened; empty where it can."""
@@ -386,7 +400,11 @@ class Kernel:
         while True:
             due_ns = self._scheduler.next_due_ns()
             closes_ns = self._closes_next_ns()
-            if closes_ns is not None and (due_ns is None or closes_ns < due_ns):
+            repays_ns = self._debts.next_due_ns()
+            if repays_ns is not None and repays_ns <= min(now_ns, *(each for each in (due_ns, closes_ns) if each is not None)):
+                self._now_ns = max(self._now_ns, repays_ns)
+                self._repay()
+            elif closes_ns is not None and (due_ns is None or closes_ns < due_ns):
                 if closes_ns > now_ns:
                     break
                 self._now_ns = max(self._now_ns, closes_ns)
@@ -426,6 +444,7 @@ class Kernel:
         if self._guarantee is not None:
             self._guarantee.apply(record)
         self._revision.apply(record, now_ns)
+        self._debts.apply(record, now_ns)
 
     def _learn_from(self, record: AnyRecord) -> None:
         if not isinstance(record, Gained):
@@ -454,7 +473,8 @@ class Kernel:
         return arrived_ns + to_ns(self.domain.spec.outcome.within_s)
 
     def _requests(self) -> Requests:
-        wakes = [due for due in (self._scheduler.next_due_ns(), self._closes_next_ns()) if due is not None]
+        instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
+        wakes = [due for due in instants if due is not None]
         requests = Requests(
             lines=tuple(self._lines),
             blobs=self._blobs,

@@ -19,7 +19,9 @@ class MindSettings(Fact, frozen=True):
     in a time-slotted simulator, so that all that came within a step is known before the next one begins.
     ``keep_evidence_s``: for how long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so
     many processes are reopened by one contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at
-    once, the others queue by priority (0: no limit). ``keep_events``: completed events kept in memory for late outcomes and
+    once, the others queue by priority (0: no limit). ``repay_after_s``: so long after a reasoner refused it is asked again about
+    the riskiest event that holds a provisional treatment for it, each pause twice as long, up to an hour; where it answers, the
+    others are repaid too, one each ``repay_every_s`` (``repay_after_s`` 0: never by themselves). ``keep_events``: completed events kept in memory for late outcomes and
     reopening. ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``: the
     share of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
     ``consult``: in delib mode treatments put typed questions of their own to the reasoner, beside the one that chooses the
@@ -46,6 +48,8 @@ class MindSettings(Fact, frozen=True):
     seed: int = 0
     keep_evidence_s: float = 30.0
     reopen_limit: int = 8
+    repay_after_s: float = 60.0
+    repay_every_s: float = 1.0
     keep_events: int = 10_000
     nearest: int = 3
     consult: bool = False

@@ -1,6 +1,7 @@
 """Revision: trust per treatment; contradiction → lower trust, reopen, learn again, re-automate."""
 
+from wakeful.revision.debts import Debts
 from wakeful.revision.revision import Revision, RevisionSettings
 from wakeful.revision.standing import Stale
 
-__all__ = ["Revision", "RevisionSettings", "Stale"]
+__all__ = ["Debts", "Revision", "RevisionSettings", "Stale"]
