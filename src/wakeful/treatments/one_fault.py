@@ -49,7 +49,7 @@ class OneFault(Network):
         return float(self._given(findings)[-1])
 
     def look_for(self, symptoms: Sequence[str], findings: Findings) -> dict[str, tuple[float, float]]:
-        """What looking for each of these unknown symptoms is worth: P(it would be seen), and what it tells of the fault in bits."""
+        """What looking for each unknown symptom is worth: P(it would be seen), and what that tells of the fault in bits."""
         now = self._given(findings)
         found: dict[str, tuple[float, float]] = {}
         for symptom in symptoms:
