@@ -401,7 +401,7 @@ class Kernel:
             due_ns = self._scheduler.next_due_ns()
             closes_ns = self._closes_next_ns()
             repays_ns = self._debts.next_due_ns()
-            if repays_ns is not None and repays_ns <= min(now_ns, *(each for each in (due_ns, closes_ns) if each is not None)):
+            if repays_ns is not None and repays_ns <= min(each for each in (now_ns, due_ns, closes_ns) if each is not None):
                 self._now_ns = max(self._now_ns, repays_ns)
                 self._repay()
             elif closes_ns is not None and (due_ns is None or closes_ns < due_ns):
