@@ -24,6 +24,7 @@ import msgspec
 
 from benchmarks.peers import postgres
 from benchmarks.peers.crashes import ROOT, killed
+from benchmarks.peers.profiled import draw, floor_stages
 from benchmarks.peers.report import Found, row_of, stages, table
 from benchmarks.peers.running import Load
 from benchmarks.peers.systems import SYSTEMS
@@ -32,9 +33,9 @@ from benchmarks.peers.workload import make, save
 Chosen = list[tuple[str, str]]
 
 
-def child(system: str, variant: str, workload: Path, store: Path, load: Load) -> Found:
+def child(system: str, variant: str, workload: Path, store: Path, load: Load, module: str = "child") -> Found:
     """One run in a process of its own."""
-    command = [sys.executable, "-m", "benchmarks.peers.child", system, variant, str(workload), str(store)]
+    command = [sys.executable, "-m", f"benchmarks.peers.{module}", system, variant, str(workload), str(store)]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     given = msgspec.json.encode(load).decode()
     ended = subprocess.run([*command, given], capture_output=True, text=True, check=False, env=environment, cwd=ROOT)
@@ -106,6 +107,7 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--full-sync", action="store_true", help="every acknowledgement survives power loss too")
     parser.add_argument("--kills", type=int, default=3, help="SIGKILLs for each system; 0: none")
     parser.add_argument("--crash-events", type=int, default=200, help="events of the workload on which systems are killed")
+    parser.add_argument("--profile", type=Path, help="draw what the first system's distance from the floor is spent on (.svg)")
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args(words)
     systems = chosen(given.systems)
@@ -131,6 +133,9 @@ def main(words: list[str] | None = None) -> int:
             found = dict(killed(system, variant, workloads[size], fresh.fresh(variant), size, given.kills))
             crashes[system, variant] = found
             _say(f"SIGKILL: {system} {variant}: {found}")
+        if given.profile:
+            system, variant = systems[0]
+            _profile(system, variant, workloads[shares[system]], fresh, load, given.profile)
     offered = {"rate": given.rate, "full_sync": given.full_sync}
     rows = [row_of(*each, found, crashes.get(each), offered) for each, found in runs.items()]
     if given.json:
@@ -138,6 +143,20 @@ def main(words: list[str] | None = None) -> int:
     else:
         print(table(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
     return 0 if all(row["right"] for row in rows) else 1
+
+
+def _profile(system: str, variant: str, workload: Path, fresh: Stores, load: Load, picture: Path) -> None:
+    """Where its time goes, as a list on standard error and as a picture."""
+    found = child(system, variant, workload, fresh.fresh(variant), load, "profiled")
+    floor = child("floor", "", workload, fresh.fresh(""), load)
+    beneath = floor_stages(floor)
+    title = f"{system} {variant}: {found['cpu_us_per_event']:.0f} µs of CPU an event, floor {floor['floor_us']:.1f} µs"
+    _say(title)
+    for name, us in sorted(found["stages_us"].items(), key=lambda item: -item[1]):  # type: ignore[attr-defined]
+        _say(f"  {name:12} {us:8.2f}   floor {beneath.get(name, 0.0):6.2f}")
+    for name, us in found["hottest"]:  # type: ignore[attr-defined]
+        _say(f"    {us:8.2f}  {name}")
+    draw(found, floor, title, picture)
 
 
 def _say(text: str) -> None:
