@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any, get_args
 
 import msgspec
@@ -11,7 +12,7 @@ from msgspec import inspect
 
 from wakeful.facts.lines import AnyRecord, Line
 from wakeful.facts.packs import AnyBurst, Entry, Pack, expanded
-from wakeful.journal.compact.coders import Coder, Coders, Turn, UnknownField
+from wakeful.journal.compact.coders import Coder, Coders, Turn, UnknownField, struct_type
 from wakeful.journal.compact.quick import quick_writers
 from wakeful.journal.compact.words import UnknownWord, Words
 
@@ -103,7 +104,7 @@ class BodyReader:
     def _learn(self, schema: bytes) -> _ByTag:
         names = msgspec.json.decode(self._words.text(schema), type=dict[str, tuple[str, ...]])
         coders = Coders(self._words, {**_schema(), **names})
-        by_name = {cls.__name__: (cls in _BURSTS, coders.of(inspect.type_info(cls))) for cls in (*_BURSTS, *_RECORDS)}
+        by_name = {cls.__name__: (cls in _BURSTS, coders.of(struct_type(cls))) for cls in (*_BURSTS, *_RECORDS)}
         by_name[_JSON] = (False, Coder())
         self._coders[schema] = known = _ByTag(by_name)
         return known
@@ -126,16 +127,17 @@ class _ByTag(dict[bytes, tuple[bool, Coder]]):
 
 
 def _writer(coders: Coders, cls: type) -> Turn:
-    write = coders.of(inspect.type_info(cls)).write
+    write = coders.of(struct_type(cls)).write
     if write is None:
         raise TypeError(f"{cls.__name__} has no fields to write")
     return write
 
 
+@cache
 def _schema() -> dict[str, tuple[str, ...]]:
     """The fields of every struct that an entry may hold, in the order in which they are written."""
     found: dict[str, tuple[str, ...]] = {}
-    waiting: list[inspect.Type] = [inspect.type_info(cls) for cls in (*_BURSTS, *_RECORDS)]
+    waiting: list[inspect.Type] = [struct_type(cls) for cls in (*_BURSTS, *_RECORDS)]
     while waiting:
         kind = waiting.pop()
         match kind:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from operator import attrgetter
 from typing import Any, TypeAlias
 
@@ -141,7 +142,7 @@ class _Fields:
     def __init__(self, coders: Coders, cls: type, names: tuple[str, ...]) -> None:
         self._cls = cls
         self._names = names
-        known = {field.name: field.type for field in _struct_type(cls).fields}
+        known = {field.name: field.type for field in struct_type(cls).fields}
         unknown = [name for name in names if name not in known]
         if unknown:
             raise UnknownField(f"{cls.__name__} has no field {unknown[0]}")
@@ -217,7 +218,13 @@ def _raw(value: Raw) -> bytes | None:
     return None if content == b"null" else content
 
 
-def _struct_type(cls: type) -> inspect.StructType:
+@cache
+def struct_type(cls: type) -> inspect.StructType:
+    """A struct's fields and their types, as msgspec sees them.
+
+    Raises:
+        TypeError: it is no struct.
+    """
     found = inspect.type_info(cls)
     if not isinstance(found, inspect.StructType):
         raise TypeError(f"{cls.__name__} is no struct")
