@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 
-import msgspec
-
 from wakeful.contracts.journal import Journal, JournalError
 from wakeful.facts.asking import Kind, Safety
 from wakeful.facts.lines import Answered, Asked, Created, Line
 from wakeful.facts.packs import Entry, expanded
 from wakeful.journal.sqlite import SqliteJournal
-
-_ENCODE = msgspec.json.Encoder().encode
 
 
 class Ledger:
@@ -30,36 +26,32 @@ class Ledger:
         self.in_doubt = 0
         self.calls = 0
         self.commits: list[int] = []
-        self.acknowledged: list[bytes] = []
         self.lines: list[Line] = []
-        self._attempted: list[bytes] = []
+        self._attempted: list[Line] = []
         self._event_of: dict[int, str] = {}
         self._intended: dict[tuple[str, str], dict[tuple[int, int], int]] = {}
 
     def attempt(self, lines: Sequence[Line]) -> None:
         """A commit is about to be tried: from now on its lines may be there."""
-        self._attempted = [_ENCODE(line) for line in lines]
+        self._attempted = list(lines)
 
-    def acknowledge(self, lines: Sequence[Line]) -> None:
-        """A commit returned: from now on its lines must be there."""
-        self._take(lines, self._attempted)
-        self._attempted = []
+    def acknowledge(self) -> None:
+        """The commit returned: from now on its lines must be there."""
+        self._take(self._attempted)
 
-    def reopened(self, lines: Sequence[Line]) -> None:
+    def reopened(self, found: Sequence[Line]) -> None:
         """The journal was opened again: all that was acknowledged must be there, and nothing that was never tried."""
-        found = [_ENCODE(line) for line in lines]
-        known = len(self.acknowledged)
-        self.lost += sum(before != now for before, now in zip(self.acknowledged, found, strict=False))
+        known = len(self.lines)
+        self.lost += sum(before != now for before, now in zip(self.lines, found, strict=False))
         self.lost += max(0, known - len(found))
-        more = found[known:]
+        more = list(found[known:])
         if more and more != self._attempted:
             self.lost += 1
-        if more:
-            self._take(lines[known:], more)
-        self._attempted = []
+        self.lines = list(found[:known])
+        self._take(more)
 
-    def _take(self, lines: Sequence[Line], encoded: Sequence[bytes]) -> None:
-        self.acknowledged.extend(encoded)
+    def _take(self, lines: Sequence[Line]) -> None:
+        self._attempted = []
         self.lines.extend(lines)
         if lines:
             self.commits.append(lines[-1].position)
@@ -139,7 +131,7 @@ class Witness:
         lines = list(expanded(entries))
         self._ledger.attempt(lines)
         self.inner.commit(entries, state, blobs)
-        self._ledger.acknowledge(lines)
+        self._ledger.acknowledge()
 
     def entries(self, after: int = 0) -> Iterator[Entry]:
         return self.inner.entries(after)
