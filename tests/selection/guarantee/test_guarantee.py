@@ -152,7 +152,7 @@ def test_what_counts_against_a_treatment(how: dict[str, object], wrong: bool) ->
     """A wrong result, a wrong treatment, and whatever neither the world nor a person has decided."""
     life = Life()
     life.live(1, **how)  # type: ignore[arg-type]
-    assert (life.standing.events, life.standing.errors) == (1, int(wrong))
+    assert (life.standing.events, life.standing.errors_now) == (1, int(wrong))
 
 
 def test_what_is_undecided_is_left_out_where_the_settings_say_so() -> None:
@@ -165,7 +165,7 @@ def test_what_is_undecided_is_left_out_where_the_settings_say_so() -> None:
 def test_a_result_that_nobody_can_judge_is_unknown_and_counts_against_it() -> None:
     life = Life()
     life.conclude(life.decide(), window=False)
-    assert (life.standing.events, life.standing.errors, life.standing.counted.unknown) == (1, 1, 1)
+    assert (life.standing.events, life.standing.errors_now, life.standing.counted.unknown) == (1, 1, 1)
 
 
 def test_a_deliberated_event_is_judged_by_what_the_model_had_answered() -> None:
@@ -174,7 +174,7 @@ def test_a_deliberated_event_is_judged_by_what_the_model_had_answered() -> None:
     process = life.decide()
     life.conclude(process, "delib")
     life.judge(process, "fall", Verdict.SUPPORTED)
-    assert life.standing.errors == 1
+    assert life.standing.errors_now == 1
 
 
 def test_outcomes_count_in_the_order_of_decisions() -> None:
@@ -185,7 +185,7 @@ def test_outcomes_count_in_the_order_of_decisions() -> None:
     life.judge(second, "fall")
     assert life.standing.events == 0
     life.judge(first, "none")
-    assert (life.standing.events, life.standing.errors) == (2, 1)
+    assert (life.standing.events, life.standing.errors_now) == (2, 1)
 
 
 def test_a_reopened_or_second_decision_is_no_further_evidence() -> None:
@@ -212,7 +212,7 @@ def test_another_model_version_must_earn_its_own_certificate() -> None:
     assert (life.standing.number, life.standing.events) == (2, 0)
     life.conclude(late)
     life.judge(late, "fall")
-    assert life.standing.errors == 0, "an answer of the version before is no evidence on this one"
+    assert life.standing.errors_now == 0, "an answer of the version before is no evidence on this one"
     assert life.standing.counted.wrong == 1
 
 
@@ -240,10 +240,10 @@ def test_errors_that_come_too_fast_revoke_the_certificate_and_the_next_one_must_
 def test_an_undrawn_error_is_seen_by_the_watch_and_supports_no_bound() -> None:
     life = Life(audit_rate=0.001)
     life.live(100)
-    errors = life.standing.errors
+    errors = life.standing.errors_now
     life.live(3, "fall")
-    assert life.standing.errors == errors
-    assert float(life.standing.seen) > float(life.standing.audited)
+    assert life.standing.errors_now == errors
+    assert float(life.standing.evidence.seen) > float(life.standing.evidence.audited)
 
 
 def test_a_stricter_level_voids_the_certificate_that_stood() -> None:
@@ -276,7 +276,8 @@ def test_the_gate_is_the_fold_of_its_records() -> None:
 
 def _told(gate: Guarantee) -> tuple[object, ...]:
     one = gate.standings["memory"]
-    return one.level, one.number, one.events, one.errors, one.bound, float(one.audited), float(one.seen), one.counted
+    watches = float(one.evidence.audited), float(one.evidence.seen)
+    return one.level, one.number, one.events, one.errors_now, one.bound, watches, one.counted
 
 
 def test_under_another_gate_there_is_no_guarantee_and_settings_that_promise_nothing_are_refused() -> None:

@@ -205,10 +205,10 @@ def _change(treatment: str, standing: Standing) -> Certified | Revoked | None:
         alpha=own.alpha,
         delta=delta,
         promised=own.delta,
-        bound=round(float(standing.tally.bound(delta)[place]), _DIGITS),
+        bound=round(float(standing.evidence.tally.bound(delta)[place]), _DIGITS),
         events=standing.events,
         drawn=standing.known,
-        errors=int(standing.tally.errors[place]),
+        errors=int(standing.evidence.tally.errors[place]),
     )
 
 

@@ -6,11 +6,11 @@ import msgspec
 import numpy as np
 
 from wakeful.facts.lines import Certified
-from wakeful.selection.guarantee.bets import LEVELS, Flags, Tally, proven
+from wakeful.selection.guarantee.bets import LEVELS
 from wakeful.selection.guarantee.bounds import clopper_pearson
+from wakeful.selection.guarantee.evidence import Evidence
 from wakeful.selection.guarantee.in_order import InOrder, Waiting
 from wakeful.selection.guarantee.settings import GuaranteeSettings
-from wakeful.selection.guarantee.watch import step
 
 NOTHING = 1.01
 """The level of a treatment that nothing is certified of: no score reaches it."""
@@ -59,7 +59,6 @@ class Standing:
 
     def __init__(self, settings: GuaranteeSettings) -> None:
         self.settings = settings
-        self.model = 0
         self.number = 1
         self.certificate: Certified | None = None
         self.revoked = ""
@@ -69,11 +68,8 @@ class Standing:
     def begin(self, model: int) -> None:
         """Another model version decides, or a certificate was revoked: evidence begins anew."""
         self.model = model
-        self.tally = Tally()
-        self.reached: Flags = np.zeros(len(LEVELS), dtype=np.bool_)
-        self.events, self.known, self.errors = 0, 0, 0
-        self.audited = np.zeros(())
-        self.seen = np.zeros(())
+        self.evidence = Evidence(self.settings, number=self.number)
+        self.events, self.known = 0, 0
         self.waiting = InOrder()
 
     @property
@@ -85,41 +81,36 @@ class Standing:
     def take(self, waiting: Waiting) -> None:
         """Count one event as evidence; its turn has come.
 
-        An undrawn event counts as one without an error, by the same right by which a drawn one's error counts for more; a drawn
-        one whose outcome is unknown as an error, unless the settings leave it out.
+        One that was drawn and whose outcome is unknown counts as wrong, unless the settings leave it out.
         """
-        own = self.settings
-        if waiting.drawn and waiting.wrong is None and own.unknown == "left out":
+        if waiting.drawn and waiting.wrong is None and self.settings.unknown == "left out":
             return
         wrong = waiting.wrong if waiting.wrong is not None else waiting.drawn
-        place = np.asarray(waiting.place)
-        drawn_wrong = np.asarray(waiting.drawn and wrong)
         self.events += 1
         self.known += waiting.drawn
-        self.errors += waiting.drawn and wrong
-        self.tally.count(place, drawn_wrong, waiting.probability)
-        delta = own.delta_of(self.number)
-        self.reached |= self.tally.log_capital(own.alpha) >= -np.log(delta)
-        if self.certificate is not None:
-            shown = drawn_wrong & waiting.automatic
-            self.audited = step(self.audited, shown, waiting.probability, own.alpha, own.to)
-            self.seen = step(self.seen, np.asarray(wrong and waiting.automatic), 1.0, own.alpha, own.to)
+        self.evidence.take(
+            place=np.asarray(waiting.place),
+            drawn=np.asarray(waiting.drawn),
+            wrong=np.asarray(wrong),
+            automatic=np.asarray(waiting.automatic),
+            probability=waiting.probability,
+            certified=np.asarray(self.certificate is not None),
+        )
+        self.evidence.weigh()
 
     @property
     def earned(self) -> float:
         """The loosest level that the evidence certifies; ``NOTHING`` where it certifies none."""
-        count = int(proven(self.reached))
+        count = int(self.evidence.proven)
         return LEVELS[count - 1] if count else NOTHING
 
     @property
     def alarm(self) -> str:
         """Why the watch wants the certificate revoked; empty where it does not."""
-        limit = float(np.log(self.settings.patience))
-        if float(self.audited) >= limit:
+        audited, seen = self.evidence.alarms()
+        if audited:
             return "audited automatic answers were wrong more often than was promised"
-        if float(self.seen) >= limit:
-            return "automatic answers were seen to be wrong more often than was promised"
-        return ""
+        return "automatic answers were seen to be wrong more often than was promised" if seen else ""
 
     @property
     def bound(self) -> float:
@@ -127,14 +118,14 @@ class Standing:
 
         What held when the level was certified holds on: of the two bounds the lesser counts.
         """
-        now = float(self.tally.bound(self.settings.delta_of(self.number))[self._place])
+        now = float(self.evidence.tally.bound(self.settings.delta_of(self.number))[self._place])
         held = self.certificate
         return min(now, held.bound) if held is not None and self.level < NOTHING else now
 
     @property
     def errors_now(self) -> int:
         """How many of the drawn events were wrong at the level in force (the strictest where none is)."""
-        return int(self.tally.errors[self._place])
+        return int(self.evidence.tally.errors[self._place])
 
     @property
     def _place(self) -> int:
@@ -143,10 +134,10 @@ class Standing:
     @property
     def needed(self) -> int:
         """How many more events without an error certify the next level; 0 where all are certified."""
-        count = int(proven(self.reached))
+        count = int(self.evidence.proven)
         if count == len(LEVELS):
             return 0
-        return self.tally.more_needed(count, self.settings.alpha, self.settings.delta_of(self.number))
+        return self.evidence.tally.more_needed(count, self.settings.alpha, self.settings.delta_of(self.number))
 
     @property
     def conditional(self) -> tuple[float, float] | None:

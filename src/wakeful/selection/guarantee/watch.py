@@ -8,6 +8,7 @@ Rinaldo (2023). While the risk is at most α, on average at least ``patience`` e
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,6 +34,7 @@ def step(log_ratio: Floats, error: Flags, probability: float, alpha: float, to: 
     return np.maximum(0.0, log_ratio + np.where(error, math.log(to / alpha), none))
 
 
+@lru_cache(maxsize=1024)
 def events_to_alarm(risk: float, alpha: float, to: float, audit_rate: float, patience: float, delta: float) -> int:
     """So many events after a change to ``risk`` the watch has given alarm, with probability 1 − ``delta``.
 
