@@ -39,7 +39,3 @@ class Overload:
         if event.criticality >= CRITICAL or (load.backlog < own.shed_backlog and load.oldest_s < own.shed_age_s):
             return ""
         return f"{SHED}, {load.backlog} events wait to be treated, the oldest for {load.oldest_s:.1f} s"
-
-    def room(self, critical: bool) -> int:
-        """How large the backlog may be for one more to be let in."""
-        return self.settings.refuse_backlog if critical else self._room
