@@ -17,10 +17,11 @@ from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
+from wakeful.drivers.room import Room
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
-from wakeful.facts.events import Draft, Observation
+from wakeful.facts.events import CRITICAL, Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
 from wakeful.facts.lines import Admitted, Answered, Concluded, Duplicate, Moved, Refused
@@ -99,6 +100,7 @@ class LiveDriver:
         self._crash_mark = crash_mark
         self._heart = heart if heart is not None else Heart()
         self._careful = 0
+        self._room = Room(kernel.settings.overload, lambda: len(self._inbox) // 2 + kernel.backlog)
         self._acts_due_s = 0.0
         self._feeding: dict[object, asyncio.Future[Receipt]] = {}
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
@@ -133,6 +135,7 @@ class LiveDriver:
 
     async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._closing = True
+        self._room.close(JournalError("the mind is closing; nothing more is taken"))
         self._woken.set()
         await self._pump_task
         under_way = list(self._called.values())
@@ -152,18 +155,25 @@ class LiveDriver:
         """Whether something was offered and not yet fed, or a call is under way."""
         return bool(self._inbox or self._called)
 
-    async def admit(self, draft: Draft) -> Receipt:
+    async def admit(self, draft: Draft, patience_s: float | None = None) -> Receipt:
         """Offer an event; returns once what became of it is durable.
+
+        Args:
+            draft: the event; its source and position are the mind's own.
+            patience_s: where the backlog has no room the caller waits, at most so long: then the event is offered all the same,
+                and may be refused with a reason. None: until there is room.
 
         Raises:
             JournalError: it could not be written; it is not admitted.
         """
+        await self._room.enter(draft.criticality >= CRITICAL, patience_s)
         self._position += 1
         placed = msgspec.structs.replace(draft, source=self._source, position=self._position)
         return await self._put(placed, Mark(source=self._source, position=self._position))
 
     async def observe(self, observation: Observation) -> None:
         """Hand over an observation; returns once what it led to is durable. Registration decides whether it is an event."""
+        await self._room.enter(False, None)
         self._position += 1
         placed = msgspec.structs.replace(observation, source=self._source, position=self._position)
         await self._put(placed, Mark(source=self._source, position=self._position))
@@ -206,6 +216,7 @@ class LiveDriver:
     def _stop(self, error: JournalError) -> None:
         """Nobody waits for ever: all that was offered and is not durable fails, and so does every wait for a conclusion."""
         self._error = error
+        self._room.close(error)
         waiting: list[asyncio.Future[Receipt]] = [*self._feeding.values(), *(each for _, each in self._inbox if each is not None)]
         for future in waiting:
             if not future.done():
@@ -236,6 +247,7 @@ class LiveDriver:
                 self._acts.done(handed)
             self._answer(requests.lines, futures)
             await self._act(requests)
+            self._room.let_in()
 
     async def _wait(self) -> None:
         """Until something comes, something is due, or a training may have ended; then a moment for more of the same."""
