@@ -7,10 +7,11 @@ from pathlib import Path
 import click
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
-from wakeful.cli.summary import print_curve, print_state
+from wakeful.cli.summary import print_backlog, print_curve, print_state
 from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.facts.processes import State
 from wakeful.journal.named import Named, named
+from wakeful.journal.overload import backlog
 from wakeful.journal.rows import event_row, process_row
 from wakeful.journal.views import History, history, summary_of
 from wakeful.journal.wording.waiting import deadline_words
@@ -31,10 +32,11 @@ def status_command(journal: Path | None, as_json: bool) -> None:
     told = summary_of(read, strange=0)
     if as_json:
         state = {"journal": str(path), "lines": read.last, "now_ns": read.now_ns, "summary": told}
-        print_json({**state, "named": named(read)})
+        print_json({**state, "backlog": backlog(read), "named": named(read)})
         return
     say(f"{path}: {count(read.last, 'line')}, {', '.join(_sources(read)) or 'no source yet'}")
     print_state(told)
+    print_backlog(backlog(read))
     _print_named(named(read))
     print_curve(told)
 

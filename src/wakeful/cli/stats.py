@@ -5,11 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+import msgspec
 
 from wakeful.cli.options import journal_option, json_option, option, print_json, reading
+from wakeful.cli.summary import print_backlog
 from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.contracts.domain import DomainError
 from wakeful.domains import load, names
+from wakeful.journal.overload import backlog
 from wakeful.journal.views import History, Stats, history, stats_of
 from wakeful.journal.wording.words import count, duration, percent
 
@@ -29,10 +32,14 @@ def stats_command(journal: Path | None, within_s: float | None, as_json: bool) -
     with reading(journal) as opened:
         read = history(opened)
     told = stats_of(read, within_s, _incidents(read))
+    waited = backlog(read)
     if as_json:
-        print_json(told)
+        print_json({**msgspec.to_builtins(told), "backlog": waited})
     else:
         _print(told)
+        if waited.most or waited.refused:
+            heading("Backlog")
+            print_backlog(waited)
 
 
 def _incidents(read: History) -> set[str] | None:

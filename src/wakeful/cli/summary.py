@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wakeful.cli.terminal import blocks, heading, paragraph, row, say
+from wakeful.journal.overload import Backlog
 from wakeful.journal.views import Share, StrangeEpisode, Summary
 from wakeful.journal.wording.episodes import ending_words
 from wakeful.journal.wording.words import count, duration, instant, percent, plain
@@ -75,6 +76,22 @@ def print_state(told: Summary) -> None:
     )
     for index, alarm in enumerate(told.drifted[-3:]):
         row("" if index else "drift", alarm)
+
+
+def print_backlog(told: Backlog) -> None:
+    """What waits to be treated, and what overload cost; nothing where nothing ever waited."""
+    if told.not_begun or told.most:
+        row(
+            "backlog",
+            f"{told.not_begun:,} not begun"
+            + (f", the oldest for {duration(told.oldest_s)}" if told.not_begun else "")
+            + f"; at worst {told.most:,} at once, {duration(told.worst_s)} to the first treatment"
+            + (f" ({duration(told.worst_critical_s)} of a critical event)" if told.worst_critical_s else ""),
+        )
+    if told.shed:
+        row("", f"{count(told.shed, 'event')} not deliberated for overload, and in debt")
+    for reason, number in told.refused.items():
+        row("", f"{number:,} refused: {plain(reason, 100)}")
 
 
 def _episode(episode: StrangeEpisode) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wakeful.facts.processes import State
+from wakeful.journal.overload import backlog
 from wakeful.journal.rows import ProcessRow, process_row
 from wakeful.journal.views import History
 from wakeful.journal.wording.events import CRITICALITY
@@ -32,8 +33,11 @@ def now(read: History) -> Markup:
         done = "Everything that was admitted has been thought through." if read.events else "No event has been admitted yet."
         return element("p", done, class_="calm")
     found = {state: [row for row in rows if row.state == state] for state in _STATES}
+    waits = backlog(read)
+    late = f"{count(waits.not_begun, 'event')} not begun, the oldest for {duration(waits.oldest_s)}." if waits.not_begun else ""
     return element(
         "div",
+        element("p", late, class_="backlog") if late else None,
         element(
             "table",
             element("caption", "Open processes", class_="unseen"),
