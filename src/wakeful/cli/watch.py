@@ -71,9 +71,7 @@ def watch_command(
     It is heard by systemd's notify protocol: readiness, a heartbeat from the mind's own loop, a status. Signals are handed on.
     Ends with the command's own exit code: when it succeeds, is told to end, gets its options wrong, or has failed too often.
     """
-    settings = WatchSettings(
-        stall_s=stall_s, start_s=start_s, stop_s=stop_s, give_up_after=give_up_after, backoff_s=backoff_s
-    )
+    settings = WatchSettings(stall_s=stall_s, start_s=start_s, stop_s=stop_s, give_up_after=give_up_after, backoff_s=backoff_s)
     try:
         code = Watchdog(command, settings, os.environ, lambda text: click.echo(f"watch: {plain(text)}", err=True)).run()
     except OSError as error:
