@@ -71,10 +71,14 @@ class LogisticRegression:
 
     def predict(self, features: Floats) -> int:
         """The likeliest outcome; the first before anything was fitted."""
+        return int(self.shares(features).argmax())
+
+    def shares(self, features: Floats) -> Floats:
+        """The outcomes' probabilities, shape (labels,); even before anything was fitted."""
         if self._weights is None:
-            return 0
+            return np.full(self._labels, 1.0 / self._labels)
         row = np.append((features - self._mean) / self._scale, 1.0)
-        return int((row @ self._weights).argmax())
+        return softmax((row @ self._weights)[None, :])[0]
 
 
 def softmax(z: Floats) -> Floats:
