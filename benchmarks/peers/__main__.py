@@ -25,12 +25,15 @@ import msgspec
 from benchmarks.peers import postgres
 from benchmarks.peers.crashes import ROOT, killed
 from benchmarks.peers.profiled import draw, floor_stages
-from benchmarks.peers.report import Found, row_of, stages, table
+from benchmarks.peers.report import Found, apart, row_of, stages, table
 from benchmarks.peers.running import Load
 from benchmarks.peers.systems import SYSTEMS
 from benchmarks.peers.workload import make, save
 
 Chosen = list[tuple[str, str]]
+
+#: Events of the workload on which is measured what outcomes take: so few that no window closes before its outcome.
+APART_EVENTS = 2000
 
 
 def child(system: str, variant: str, workload: Path, store: Path, load: Load, module: str = "child") -> Found:
@@ -116,7 +119,8 @@ def main(words: list[str] | None = None) -> int:
     crashes: dict[tuple[str, str], Found] = {}
     with tempfile.TemporaryDirectory() as name, stores(Path(name), systems) as fresh:
         shares = {system: max(1, round(given.events * SYSTEMS[system].share)) for system, _ in systems}
-        sizes = {*shares.values(), *([given.crash_events] if given.kills else [])}
+        split = [each for each in systems if each[0] == "wakeful" and not given.rate]
+        sizes = {*shares.values(), *([given.crash_events] if given.kills else []), *([APART_EVENTS] if split else [])}
         workloads = {size: Path(name, f"w{size}") for size in sizes}
         for size, folder in workloads.items():
             save(make(given.seed, size), folder)
@@ -133,15 +137,22 @@ def main(words: list[str] | None = None) -> int:
             found = dict(killed(system, variant, workloads[size], fresh.fresh(variant), size, given.kills))
             crashes[system, variant] = found
             _say(f"SIGKILL: {system} {variant}: {found}")
+        without: dict[tuple[str, str], object] = {}
+        for system, variant in split:
+            offered = msgspec.structs.replace(load, outcomes=False)
+            found = child(system, variant, workloads[APART_EVENTS], fresh.fresh(variant), offered)
+            without[system, variant] = found["bytes_per_event"]
         if given.profile:
             system, variant = systems[0]
             _profile(system, variant, workloads[shares[system]], fresh, load, given.profile)
     offered = {"rate": given.rate, "full_sync": given.full_sync}
     rows = [row_of(*each, found, crashes.get(each), offered) for each, found in runs.items()]
+    for row, each in zip(rows, runs, strict=True):
+        row["bytes_without_outcomes"] = without.get(each)
     if given.json:
         print(json.dumps(rows))
     else:
-        print(table(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
+        print(table(rows), apart(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
     return 0 if all(row["right"] for row in rows) else 1
 
 

@@ -64,14 +64,15 @@ class Fixed(TwoHeads):
 class Wakeful:
     """In virtual time: the workload's own clock drives limits, as fast as the machine goes."""
 
-    def __init__(self, run: Run, _variant: str) -> None:
+    def __init__(self, run: Run, variant: str) -> None:
         self._run = run
         self._path = run.store / "mind.db"
+        full_sync = run.load.full_sync or variant.endswith("full")
         if not self._path.exists():
-            prepare(self._path, run.workload, run.load.full_sync)
+            prepare(self._path, run.workload, full_sync)
         self._before = size_of(run.store, "mind.db")
         kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
-        self._journal = Stamping(self._path, full_sync=run.load.full_sync)
+        self._journal = Stamping(self._path, full_sync=full_sync)
         self._driver = SimulatedDriver(kernel, self._journal, GuidelineReasoner(kernel.domain.spec), learner)
 
     def run(self) -> None:
@@ -156,6 +157,7 @@ def stub(name: str, run: Run) -> object:
         await mind.work()
         forecast = mind.forecast()
         state = conclude(state, forecast.label)
+        times.treated += 1
         waited = reading if event.fields["category"] == WAITS else None
         return Treated(says="", confidence=forecast.probability, forecast=forecast, state=state, reading=waited)
 

@@ -15,6 +15,7 @@ from wakeful import LiveDriver
 from wakeful.contracts.journal import Journal
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
+from wakeful.drivers.live import GROUP_S
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import open_journal
 
@@ -40,7 +41,7 @@ class WakefulLive:
             source=SOURCE,
             clock_ns=lambda: first_ns,
             closes_journal=True,
-            group_s=run.load.group_s if run.load.rate else 0.0,
+            group_s=run.load.group_s if run.load.rate else GROUP_S,
             monotonic_ns=lambda: self._at_ns,
         )
 
@@ -59,16 +60,23 @@ class WakefulLive:
                     await asyncio.sleep(self._run.load.group_s / 2)
                 else:
                     await asyncio.gather(*handing)
+                    await self._thought()
             await asyncio.gather(*offered)
             await self._settle()
 
+    async def _thought(self) -> None:
+        """Until nobody is ready to think: a client that offers as much as is taken does not build up a backlog."""
+        while self._mind.kernel.runnable:
+            await asyncio.sleep(0.0005)
+
     async def _settle(self) -> None:
-        """Let the last limits pass, and what is still thinking come to its end: saturated, treatments lag behind admissions."""
-        for _ in range(2):
-            while self._mind.kernel.runnable:
-                await asyncio.sleep(0.001)
-            self._at_ns += LIMIT_NS
-            await self._mind.tell(self._last)  # an outcome that is known changes nothing, but the mind looks at its clock
+        """Let the last limits pass, and what is still thinking come to its end."""
+        await self._thought()
+        self._at_ns += 2 * LIMIT_NS
+        await self._mind.tell(self._last)  # an outcome that is known changes nothing, but the mind looks at its clock
+        while self._run.times.treated < len(self._run.times.came):
+            await asyncio.sleep(0.001)
+        await self._thought()
 
     def _hand(self, text: bytes, came_ns: int) -> Coroutine[None, None, None]:
         message = decode(text)

@@ -75,6 +75,15 @@ def table(rows: list[Found]) -> str:
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
 
 
+def apart(rows: list[Found]) -> str:
+    """What outcomes take of wakeful's journal."""
+    found = [row for row in rows if row.get("bytes_without_outcomes")]
+    return "\n".join(
+        f"{row['system']} {row['variant']}: {row['bytes_without_outcomes']:,.0f} bytes of journal an event without its outcome"
+        for row in found
+    )
+
+
 def stages(row: Found) -> str:
     """What the floor is made of."""
     lines = ["| stage | " + " | ".join(("faster", "µs an event", "slower")) + " |", "|---|---|---|---|"]

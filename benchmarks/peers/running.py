@@ -30,6 +30,7 @@ class Times:
         self.stepped: dict[str, int] = {}
         self.read: dict[str, int] = {}
         self.resumed: dict[str, int] = {}
+        self.treated = 0
 
 
 class Load(msgspec.Struct, frozen=True, kw_only=True):
@@ -37,7 +38,7 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
 
     ``group_s``: for how long an open-loop system may gather what it commits together; ``window``: how many messages a saturated
     one is handed at once. ``full_sync``: an acknowledgement survives power loss too. ``calls``: each treatment makes one outside
-    call, and the client writes down what was acknowledged.
+    call, and the client writes down what was acknowledged. ``outcomes``: without them it is seen what they take of the journal.
     """
 
     rate: float = 0.0
@@ -45,6 +46,7 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     window: int = 256
     full_sync: bool = False
     calls: bool = False
+    outcomes: bool = True
 
 
 class Run:
@@ -59,7 +61,7 @@ class Run:
     """
 
     def __init__(self, messages: list[bytes], lean: Lean, workload: Path, store: Path, load: Load) -> None:
-        self.messages = messages
+        self.messages = messages if load.outcomes else [text for text in messages if b'"is":"outcome"' not in text]
         self.lean = lean
         self.workload = workload
         self.store = store
@@ -68,7 +70,7 @@ class Run:
         self.acknowledged, self.cursor = _remembered(store / "acknowledged")
         self._acks = _appending(store / "acknowledged") if load.calls else None
         self._calls = _appending(store / "called") if load.calls else None
-        self._due = _offsets(messages, load.rate) if load.rate else []
+        self._due = _offsets(self.messages, load.rate) if load.rate else []
 
     def windows(self, *, sleep: bool = True) -> Iterator[tuple[list[int], list[bytes]]]:
         """What arrives, and when it did: up to a window at once, or (open loop) what has become due within a group's time.

@@ -71,7 +71,7 @@ SYSTEMS: dict[str, Entry] = {
     "wakeful": Entry(
         module="of_wakeful",
         name="Wakeful",
-        variants=("stream", "live", "live-full"),
+        variants=("stream", "stream-full", "live", "live-full"),
         durable=True,
         beside=("drafting.py", "robot.toml"),
         elsewhere=dict.fromkeys(("live", "live-full"), ("of_wakeful_live", "WakefulLive")),
