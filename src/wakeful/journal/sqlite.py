@@ -15,7 +15,7 @@ from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, last_position
 from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import rows_of
+from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, rows_of
 from wakeful.journal.lock import FileLock
 from wakeful.journal.migration import migrate
 from wakeful.journal.opening import boot_id, connect, number, prepare
@@ -51,8 +51,8 @@ class SqliteJournal:
         if not read_only:
             prepare(path)
             self._lock = FileLock(path)
-            reach("journal: file made")
         try:
+            reach("journal: file made")
             self.migrated = None if read_only else migrate(path)
             self._db = connect(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
             self._reading = Reading(self._db, path)
@@ -60,7 +60,7 @@ class SqliteJournal:
         except apsw.Error as error:
             self._release()
             raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
-        except JournalError:
+        except BaseException:  # Ctrl-C too: whoever catches it may open the file again
             self._release()
             raise
         self._words = self._reading.words
@@ -109,8 +109,8 @@ class SqliteJournal:
         boot = int.from_bytes(self._words.constant(self._boot), "big")
         if self._words.new:
             self._insert("words", 2, [value for word in self._words.new for value in word])
-        self._insert("rows", 6, [v for row in rows for v in (row.first, row.last, row.at_ns, row.form, row.digest, row.body)])
-        self._insert("about", 5, [v for row in rows for v in (row.first, row.admitted, row.duplicate, row.refused, row.keys)])
+        self._insert("rows", ROWS_COLUMNS, [value for row in rows for value in row.stored])
+        self._insert("about", ABOUT_COLUMNS, [value for row in rows for value in row.about])
         self._insert("commits", 4, [last, time.time_ns(), time.monotonic_ns(), boot])
 
     def _insert(self, table: str, columns: int, values: list[int | str | bytes]) -> None:
