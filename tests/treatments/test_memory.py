@@ -63,3 +63,15 @@ def test_an_entity_that_was_never_seen_is_not_known() -> None:
 
 def test_the_event_itself_is_no_memory_of_it() -> None:
     assert not remembered(episode("now", 0.0)).known
+
+
+def test_an_earlier_sighting_that_differs_in_nothing_is_named_where_the_last_one_differs() -> None:
+    before = episode("before", 600.0, load=0.4, state="unstable")
+    last = episode("last", 60.0, load=0.4, state="normal")
+    result = ScriptedMind(DOMAIN, "auto", script(last, before)).run(memory, event(load=0.4, state="unstable"))
+    assert isinstance(result, Memory)
+    assert (result.as_before, result.as_before_s) == ("before", 600.0)
+    assert "it was just so 10 min ago" in result.says
+    other = ScriptedMind(DOMAIN, "auto", script(last)).run(memory, event(load=0.4, state="unstable"))
+    assert isinstance(other, Memory)
+    assert other.as_before == ""

@@ -58,6 +58,9 @@ class Memory(Result, frozen=True, kw_only=True, tag="memory"):
     """How much of the memory may still hold, in [0, 1]: the forgetting curve at the age of the last sighting."""
     differs: tuple[Difference, ...] = ()
     unchanged: tuple[str, ...] = ()
+    as_before: str = ""
+    """The last sighting of the entity that differs in nothing, where it is not the last of all."""
+    as_before_s: float | None = None
     same_as: str = ""
     """The recalled case that a reasoner took this for, where it was asked."""
     happened: int = 0
@@ -103,6 +106,7 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
     same_kind = [episode for episode in past if episode.kind == event.kind]
     differs = differences(event, same_kind, mind.domain.fields)
     changed = {difference.name for difference in differs}
+    just_so = next((each for each in same_kind if differs and not differences(event, [each], mind.domain.fields)), None)
     compared = [
         name for name in measured(event.fields, mind.domain.fields) if any(name in episode.fields for episode in same_kind)
     ]
@@ -117,6 +121,7 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
             mind,
             subject(event),
             _differing(differs, past, len(same_kind), last_s),
+            f"; it was just so {ago(age_s(event, just_so))}" if just_so is not None else "",
             _before(rows, len(alike), limit),
             expectation(forecast),
         ),
@@ -130,6 +135,8 @@ async def remember(event: Event, mind: Mind, settings: MemorySettings) -> Memory
         would_change=_would_change(event, differs, alike, mind),
         forecast=forecast,
         consulted=said.consulted,
+        as_before=just_so.event if just_so is not None else "",
+        as_before_s=age_s(event, just_so) if just_so is not None else None,
         same_as=said.answer.case if said.answer is not None else "",
         known=bool(past),
         sightings=len(past),
