@@ -111,12 +111,15 @@ def automatic(gate: Gate, prior: Mapping[str, float], needed: float, support: in
     )
 
 
-def guaranteed(treatment: str, audit: Audit, deliberated: bool = False) -> str:
+def guaranteed(audit: Audit, deliberated: bool = False) -> str:
     """What the guarantee gate said, in words.
 
-    >>> guaranteed("memory", Audit(score=0.93, level=0.9, probability=0.2, drawn=False, alpha=0.05))
+    >>> guaranteed(
+    ...     Audit(treatment="memory", predicted="none", score=0.93, level=0.9, probability=0.2, drawn=False, alpha=0.05)
+    ... )
     'Automatic under the guarantee: the score 0.930 reaches 0.90, from which memory is certified at a risk of 5 %.'
     """
+    treatment = audit.treatment
     if audit.level > 1.0:
         return f"Not automatic: {treatment} is not certified yet at a risk of {100 * audit.alpha:g} %; the outcome will count."
     certified = f"{audit.level:.2f}, from which {treatment} is certified at a risk of {100 * audit.alpha:g} %"

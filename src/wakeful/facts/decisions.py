@@ -31,11 +31,14 @@ class Gate(Fact, frozen=True):
 class Audit(Fact, frozen=True):
     """What the guarantee gate did with one event that could be automatic.
 
-    ``score`` is the probability with which the model holds its answer, treatment and forecast together, to be right. ``level`` is
-    what it had to reach to be automatic, above 1 where nothing was certified. ``probability`` is that with which the event was
-    drawn for its outcome to count as evidence, ``drawn`` whether it was. ``alpha`` is the risk that was promised.
+    ``treatment`` and ``predicted``, the likeliest label of its forecast, are the model's answer, whatever was made of it after;
+    ``score`` is the probability with which it holds both to be right. ``level`` is what that had to reach for automation, above
+    1 where nothing was certified. ``probability`` is that with which the event was drawn for its outcome to count as evidence,
+    ``drawn`` whether it was. ``alpha`` is the risk that was promised.
     """
 
+    treatment: str
+    predicted: str
     score: float
     level: float
     probability: float

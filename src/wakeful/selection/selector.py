@@ -277,10 +277,10 @@ class Selector:
         held_back = self._unfit(chosen, gate, card)
         if held_back:
             return ("fallback" if gate.novelty > gate.novelty_limit else "delib"), held_back, None
-        _, confidence = likeliest(prior)
-        audit = guarantee.rule(event.id, chosen, card.version, gate.confidence * confidence)
+        label, confidence = likeliest(prior)
+        audit = guarantee.rule(event.id, chosen, label, card.version, gate.confidence * confidence)
         deliberated = audit.drawn and guarantee.settings.audit_by == "deliberation"
-        return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(chosen, audit, deliberated)], audit
+        return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(audit, deliberated)], audit
 
     def _unfit(self, chosen: str, gate: Gate, card: ModelCard) -> list[str]:
         """What keeps the event from being automatic, whatever the confidence; empty where nothing does."""

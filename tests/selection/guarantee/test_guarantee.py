@@ -34,10 +34,12 @@ class Life:
             self.records.append(change)
             self.gate.apply(change)
 
-    def decide(self, score: float = 0.995, model: int = 1, reopens: int = 0, watermark: int = 20) -> int:
+    def decide(
+        self, score: float = 0.995, model: int = 1, reopens: int = 0, watermark: int = 20, made: dict[str, object] | None = None
+    ) -> int:
         """An event that the model decides on, and its process."""
         self.process += 1
-        audit = self.gate.rule(f"event {self.process}", "memory", model, score)
+        audit = self.gate.rule(f"event {self.process}", "memory", "none", model, score)
         decision = Decision(
             treatment="memory",
             mode="auto" if audit.automatic else "delib",
@@ -50,6 +52,7 @@ class Life:
             watermark=watermark,
             audit=audit,
         )
+        decision = msgspec.structs.replace(decision, **(made or {}))
         event = f"event {self.process}"
         self.write(Created(process=self.process, event=event, treatment="memory", criticality=0, reopens=reopens))
         self.write(Decided(process=self.process, event=event, decision=decision))
@@ -112,14 +115,14 @@ def test_a_treatment_is_certified_once_enough_outcomes_were_right_and_not_one_ea
     assert isinstance(certified, Certified)
     assert certified.bound <= 0.05
     assert (certified.events, certified.drawn, certified.errors) == (needed, needed, 0)
-    assert life.gate.rule("next", "memory", 1, 0.995).automatic
-    assert not life.gate.rule("next", "planning", 1, 0.995).automatic
+    assert life.gate.rule("next", "memory", "none", 1, 0.995).automatic
+    assert not life.gate.rule("next", "planning", "none", 1, 0.995).automatic
 
 
 def test_before_the_certificate_every_event_is_drawn_and_after_it_as_many_as_the_rate_says() -> None:
     life = Life()
     life.live(100)
-    before, after = life.gate.rule("x", "memory", 2, 0.995), life.gate.rule("x", "memory", 1, 0.995)
+    before, after = life.gate.rule("x", "memory", "none", 2, 0.995), life.gate.rule("x", "memory", "none", 1, 0.995)
     assert (before.probability, before.drawn, before.automatic) == (1.0, True, False)
     assert after.probability == RATE
     assert after.automatic
@@ -133,8 +136,8 @@ def test_only_what_the_score_reaches_is_certified() -> None:
         life.judge(process, "none" if number % 2 or number % 4 else "fall")
     level = life.standing.level
     assert 0.65 < level <= 0.99
-    assert life.gate.rule("x", "memory", 1, 0.995).automatic
-    assert not life.gate.rule("x", "memory", 1, 0.65).automatic
+    assert life.gate.rule("x", "memory", "none", 1, 0.995).automatic
+    assert not life.gate.rule("x", "memory", "none", 1, 0.65).automatic
 
 
 @pytest.mark.parametrize(
@@ -227,7 +230,7 @@ def test_errors_that_come_too_fast_revoke_the_certificate_and_the_next_one_must_
     assert life.standing.level == NOTHING
     assert life.standing.number == 2
     assert life.standing.events < 8
-    assert not life.gate.rule("next", "memory", 1, 0.995).automatic
+    assert not life.gate.rule("next", "memory", "none", 1, 0.995).automatic
     before = len(life.of(Certified))
     life.live(450)
     assert len(life.of(Certified)) > before
@@ -252,7 +255,7 @@ def test_a_stricter_level_voids_the_certificate_that_stood() -> None:
     stricter = Guarantee(GuaranteeSettings(alpha=0.01, audit_rate=RATE, seek_from=20))
     for record in life.records:
         stricter.apply(record)
-    assert not stricter.rule("next", "memory", 1, 0.995).automatic
+    assert not stricter.rule("next", "memory", "none", 1, 0.995).automatic
 
 
 def test_the_gate_is_the_fold_of_its_records() -> None:
@@ -269,8 +272,8 @@ def test_the_gate_is_the_fold_of_its_records() -> None:
         gate.apply(Concluded(process=pending, event="", treatment="memory", mode="auto", result=NO_JSON, closes_ns=1))
     assert _told(again) == _told(life.gate)
     scores = (0.3, 0.91, 0.995)
-    assert [again.rule(f"e{i}", "memory", 1, score) for i in range(20) for score in scores] == [
-        life.gate.rule(f"e{i}", "memory", 1, score) for i in range(20) for score in scores
+    assert [again.rule(f"e{i}", "memory", "none", 1, score) for i in range(20) for score in scores] == [
+        life.gate.rule(f"e{i}", "memory", "none", 1, score) for i in range(20) for score in scores
     ]
 
 
@@ -278,6 +281,35 @@ def _told(gate: Guarantee) -> tuple[object, ...]:
     one = gate.standings["memory"]
     watches = float(one.evidence.audited), float(one.evidence.seen)
     return one.level, one.number, one.events, one.errors_now, one.bound, watches, one.counted
+
+
+def test_memory_may_stop_automation_but_neither_allow_it_nor_change_its_answer() -> None:
+    gate = Guarantee(GuaranteeSettings())
+    automatic = Decision(
+        treatment="memory",
+        mode="auto",
+        confidence=0.9,
+        candidates=(),
+        reasons=(),
+        gate=GATE,
+        prior={"none": 0.9, "fall": 0.1},
+    )
+    stopped = msgspec.structs.replace(automatic, mode="delib")
+    other = msgspec.structs.replace(automatic, treatment="planning")
+    foretold = msgspec.structs.replace(automatic, prior={"none": 0.1, "fall": 0.9})
+    assert gate.hold(automatic, automatic) is automatic
+    assert gate.hold(automatic, stopped) is stopped
+    for made in (other, foretold):
+        assert gate.hold(automatic, made).mode == "delib"
+    assert gate.hold(stopped, automatic).mode == "delib"
+
+
+def test_evidence_is_on_the_models_own_answer_whatever_was_made_of_it() -> None:
+    life = Life()
+    process = life.decide(made={"treatment": "planning", "prior": {"none": 0.1, "fall": 0.9}})
+    life.conclude(process, "delib")
+    life.judge(process, "fall", Verdict.SUPPORTED)
+    assert life.standing.errors_now == 1
 
 
 def test_under_another_gate_there_is_no_guarantee_and_settings_that_promise_nothing_are_refused() -> None:

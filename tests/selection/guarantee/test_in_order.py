@@ -18,6 +18,7 @@ def waiting(process: int) -> Waiting:
         probability=1.0,
         drawn=True,
         mode="auto",
+        ran=True,
     )
 
 

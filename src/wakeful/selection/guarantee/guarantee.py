@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from collections import OrderedDict
 
+import msgspec
+
+from wakeful.facts.choices import likeliest
 from wakeful.facts.decisions import Audit, Decision
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Verdict
@@ -49,12 +52,13 @@ class Guarantee:
         """By treatment: those of which anything was ever decided under the guarantee."""
         return self._standings
 
-    def rule(self, event: str, treatment: str, model: int, score: float) -> Audit:
+    def rule(self, event: str, treatment: str, predicted: str, model: int, score: float) -> Audit:
         """Whether an event may be automatic, as far as the guarantee is concerned, and whether it is drawn for an audit.
 
         Args:
             event: its id, by which the draw is made.
             treatment: what the model chose.
+            predicted: the label that it forecasts.
             model: the version that chose: evidence on another one says nothing of it.
             score: the probability that its answer, treatment and forecast together, is right; rounded to 6 digits here.
         """
@@ -63,12 +67,30 @@ class Guarantee:
         score = round(score, _DIGITS)
         probability = self.settings.audit_rate if score >= level else 1.0
         return Audit(
+            treatment=treatment,
+            predicted=predicted,
             score=score,
             level=level,
             probability=probability,
             drawn=drawn(self._seed, event, probability),
             alpha=self.settings.alpha,
         )
+
+    def hold(self, ruled: Decision, made: Decision) -> Decision:
+        """What else knows of the event (memory) may stop automation. It may neither allow it nor change its answer.
+
+        Args:
+            ruled: the decision with which the gate was asked.
+            made: what has been made of it.
+
+        Returns:
+            ``made``; deliberated where it would be automatic without the gate's leave, or with another answer.
+        """
+        same = made.treatment == ruled.treatment and likeliest(made.prior)[0] == likeliest(ruled.prior)[0]
+        if made.mode != "auto" or (ruled.mode == "auto" and same):
+            return made
+        why = "The guarantee speaks for the model's own answer alone, so this one is deliberated."
+        return msgspec.structs.replace(made, mode="delib", reasons=(*made.reasons, why))
 
     def changes(self) -> list[Certified | Revoked]:
         """What the records applied since the last call have changed; to be recorded and applied."""
@@ -111,19 +133,20 @@ class Guarantee:
             audit = _as_if(decision, self.settings.alpha)
         if audit is None or process in self._waiting or decision.watermark < self.settings.seek_from:
             return
-        standing = self._of(decision.treatment)
+        standing = self._of(audit.treatment)
         if decision.model != standing.model:
             self._end(standing, decision.model, "another model version decides" if standing.certificate is not None else "")
         waiting = Waiting(
             process=process,
             number=standing.number,
-            treatment=decision.treatment,
-            predicted=max(decision.prior, key=lambda label: round(decision.prior[label], _DIGITS), default=""),
+            treatment=audit.treatment,
+            predicted=audit.predicted,
             place=int(place_of(audit.score)),
             automatic=audit.automatic,
             probability=audit.probability,
             drawn=audit.drawn,
             mode=decision.mode,
+            ran=decision.mode == "auto",
         )
         self._waiting[process] = waiting
         standing.waiting.add(waiting)
@@ -218,4 +241,12 @@ def _as_if(decision: Decision, alpha: float) -> Audit | None:
     if not decision.model or decision.mode == "fallback" or gate.novelty > gate.novelty_limit or gate.trust < gate.trust_limit:
         return None
     score = round(gate.confidence * max(decision.prior.values(), default=1.0), _DIGITS)
-    return Audit(score=score, level=0.0 if decision.mode == "auto" else NOTHING, probability=1.0, drawn=True, alpha=alpha)
+    return Audit(
+        treatment=decision.treatment,
+        predicted=likeliest(decision.prior)[0],
+        score=score,
+        level=0.0 if decision.mode == "auto" else NOTHING,
+        probability=1.0,
+        drawn=True,
+        alpha=alpha,
+    )

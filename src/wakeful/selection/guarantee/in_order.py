@@ -11,9 +11,10 @@ import msgspec
 class Waiting(msgspec.Struct):
     """One event that could be automatic. ``wrong`` is None until its outcome is decided, and where nobody decides it.
 
-    ``number`` is that of the certificate, standing or wanted, for which it is evidence.
-    ``predicted`` is the label that the model's answer forecast, ``mode`` how it was executed in the end. ``judgeable``: a result
-    was concluded with a window in which the world may judge it. ``settled``: no more is to come.
+    ``number`` is that of the certificate, standing or wanted, for which it is evidence. ``predicted`` is the label that the model's
+    answer forecast; ``automatic`` whether the gate allowed it, ``ran`` whether it was decided to be automatic, ``mode`` how it was
+    executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it. ``settled``: no
+    more is to come.
     """
 
     process: int
@@ -25,6 +26,7 @@ class Waiting(msgspec.Struct):
     probability: float
     drawn: bool
     mode: str
+    ran: bool
     judgeable: bool = False
     settled: bool = False
     wrong: bool | None = None

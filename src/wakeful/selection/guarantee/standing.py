@@ -39,14 +39,14 @@ class Counted(msgspec.Struct):
         """An event was decided."""
         self.decided += 1
         self.drawn += waiting.drawn
-        self.automatic += waiting.automatic
-        self.awaiting += waiting.automatic
+        self.automatic += waiting.ran
+        self.awaiting += waiting.ran
 
     def end(self, waiting: Waiting) -> None:
         """Its outcome is known, or will not be."""
         known = waiting.wrong is not None
         self.unknown += waiting.drawn and not known
-        if waiting.automatic:
+        if waiting.ran:
             self.awaiting -= 1
             self.validated += known
             self.wrong += bool(waiting.wrong)
