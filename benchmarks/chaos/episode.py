@@ -45,8 +45,8 @@ from wakeful.testing.crash_points import Crashed, crashing
 from wakeful.testing.faulty_disk import FaultyDisk
 from wakeful.testing.faulty_reasoner import FaultyReasoner
 
-#: After the last item so much time passes: every limit and window ends within it, and what a reasoner's hour of silence left owing
-#: is repaid.
+#: After the last item so much time passes: every limit and window ends within it, and what a reasoner left owing in its hour
+#: of silence is repaid.
 AFTERWARDS_S = 5_000.0
 
 #: Somebody may be repaid just then: so often so much more time is given, until nothing is open.
@@ -107,26 +107,23 @@ class _Episode:
 
     def play(self) -> Report:
         """Live until the script is over and everything is settled."""
-        with FaultyDisk(self.plan.seed) if self.plan.needs_disk else nullcontext() as disk:
-            ends = deque(self.plan.ends)
-            while True:
-                self.lives += 1
-                end = ends.popleft() if ends else None
-                try:
-                    with self._dying(end, disk):
-                        self._live(end, disk)
+        ends = deque(self.plan.ends)
+        while True:
+            self.lives += 1
+            end = ends.popleft() if ends else None
+            try:
+                # A disk for each life: what the life before left in its files is what there is.
+                with FaultyDisk(100 * self.plan.seed + self.lives) if self.plan.needs_disk else nullcontext() as disk:
+                    self._live(end, disk)
+                break
+            except (Crashed, JournalError, apsw.Error) as last:
+                if self.lives == MOST_LIVES or end is None:
+                    self.wrong.append(f"the mind does not come to its end: {last!r}")
                     break
-                except (Crashed, JournalError, apsw.Error) as last:
-                    if self.lives == MOST_LIVES or end is None:
-                        self.wrong.append(f"the mind does not come to its end: {last!r}")
-                        break
-                except Exception:  # a defect, of the mind or of its world: the seed says so, and the others go on
-                    self.wrong.append(traceback.format_exc(limit=-6))
-                    break
-                finally:
-                    if disk is not None:
-                        disk.mend()
-            return self._report()
+            except Exception:  # a defect, of the mind or of its world: the seed says so, and the others go on
+                self.wrong.append(traceback.format_exc(limit=-6))
+                break
+        return self._report()
 
     # --- one life ---
 
@@ -142,19 +139,20 @@ class _Episode:
         if end is not None and end.how == "disk" and disk is not None:
             disk.fail(end.fault, after_writes=end.nth)
         try:
-            inner = open_journal(self.path, vfs=disk.name if disk is not None else None)
-            try:
-                failing = end.nth if end is not None and end.how == "commit" else 0
-                journal = Witness(inner, self.ledger, failing)
-                driver = self._driver(journal)
+            with self._dying(end, disk):
+                inner = open_journal(self.path, vfs=disk.name if disk is not None else None)
                 try:
-                    self._check(inner)
-                    self._think(driver)
+                    failing = end.nth if end is not None and end.how == "commit" else 0
+                    journal = Witness(inner, self.ledger, failing)
+                    driver = self._driver(journal)
+                    try:
+                        self._check(inner)
+                        self._think(driver)
+                    finally:
+                        _drop(driver)
                 finally:
-                    _drop(driver)
-            finally:
-                with suppress(apsw.Error, JournalError):
-                    inner.close()
+                    with suppress(apsw.Error, JournalError):
+                        inner.close()
         finally:
             if end is not None and end.how == "power" and disk is not None:
                 gc.collect(0)  # a connection that was being opened is closed before its files are put back
