@@ -11,9 +11,9 @@ import msgspec
 class Waiting(msgspec.Struct):
     """One event that could be automatic. ``wrong`` is None until its outcome is decided, and where nobody decides it.
 
-    ``number`` is that of the certificate, standing or wanted, for which it is evidence. ``predicted`` is the label that the model's
-    answer forecast; ``automatic`` whether the gate allowed it, ``ran`` whether it was decided to be automatic, ``mode`` how it was
-    executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it. ``settled``: no
+    ``number`` is that of the certificate, standing or wanted, for which it is evidence. ``predicted`` is the label that the
+    model's answer forecast; ``automatic`` whether the gate allowed it, ``ran`` whether it was decided to be automatic, ``mode``
+    how it was executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it. ``settled``: no
     more is to come.
     """
 
