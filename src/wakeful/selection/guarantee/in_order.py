@@ -13,8 +13,8 @@ class Waiting(msgspec.Struct):
 
     ``number`` is that of the certificate, standing or wanted, for which it is evidence. ``predicted`` is the label that the
     model's answer forecast; ``automatic`` whether the gate allowed it, ``ran`` whether it was decided to be automatic, ``mode``
-    how it was executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it. ``settled``: no
-    more is to come.
+    how it was executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it.
+    ``settled``: no more is to come.
     """
 
     process: int
