@@ -13,6 +13,7 @@ from wakeful.admission.admission import Admission
 from wakeful.admission.overload import Overload
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
+from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning
 from wakeful.registration import Sources, SpecRegistrar
 from wakeful.revision import Debts, Revision
@@ -41,6 +42,7 @@ CLASSES: dict[str, type] = {
         Validation,
         Learning,
         Episodes,
+        Exemplars,
         Counsel,
         Revision,
         Debts,
@@ -56,6 +58,7 @@ ROOMS = {
     "_validation": Validation,
     "_learning": Learning,
     "_episodes": Episodes,
+    "_exemplars": Exemplars,
     "_counsel": Counsel,
     "_revision": Revision,
     "_debts": Debts,

@@ -49,12 +49,14 @@ from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import Stamp, to_ns, to_s
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
+from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
 from wakeful.selection.guarantee import guarantee_of
+from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import SelectionSettings, Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
@@ -96,6 +98,7 @@ class Kernel:
         self._guarantee = guarantee_of(settings)
         self._selector = Selector(spec, options, learner, SelectionSettings(), self._guarantee)
         self._episodes = Episodes(self._selector.encode)
+        self._exemplars = Exemplars(self._selector.encode, options, spec.outcome.labels)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
@@ -267,7 +270,11 @@ class Kernel:
         nearest = self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
         card = self._selector.card
         watermark = card.watermark if card is not None else 0
-        return self._selector.decide(event, self._revision.levels(nearest), nearest, watermark)
+        decision = self._selector.decide(event, self._revision.levels(nearest), nearest, watermark)
+        if decision.mode == "auto" and not self._exemplars.contested(self._selector.encode(event)):
+            return decision
+        made = with_memory(decision, self._exemplars.recall(self._selector.encode(event), self._selector.predictor))
+        return made if self._guarantee is None else self._guarantee.hold(decision, made)
 
     def _evidence(self, evidence: Evidence) -> None:
         if evidence.topic == CLEARED:
@@ -449,8 +456,10 @@ class Kernel:
     def _learn_from(self, record: AnyRecord) -> None:
         if not isinstance(record, Gained):
             self._learning.apply(record)
+            self._exemplars.apply(record)
         elif (event := self._events.get(record.experience.event)) is not None:
             self._learning.apply(record, event)
+            self._exemplars.apply(record, event)
 
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""

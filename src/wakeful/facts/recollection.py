@@ -11,6 +11,7 @@ class Recollection(Fact, frozen=True):
     ``exemplar`` is the id of the first of them, ``experiences`` the newest of them, newest first. ``treatment`` is the right one
     as far as was told, empty where nothing was, held with ``treatment_share``; ``labels`` are the probabilities of the outcomes.
     ``noise`` is the share of wrong validations to be expected of this very event, ``likeness`` how like it is, in [0, 1].
+    ``confirmed``: the right treatment was told, or what was applied was supported, in an experience that ended as is expected.
     """
 
     exemplar: int
@@ -20,6 +21,7 @@ class Recollection(Fact, frozen=True):
     treatment_share: float
     labels: dict[str, float]
     noise: float
+    confirmed: bool = True
 
     @property
     def label(self) -> str:

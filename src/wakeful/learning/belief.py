@@ -44,6 +44,10 @@ class Repeatability:
         self._logs += np.log(np.maximum(chances, _LEAST))
         self._logs -= self._logs.max()
 
+    def foretold(self, share: float, values: int) -> None:
+        """One validation of something that had been foretold with probability ``share`` among so many possible ones."""
+        self.learn(share * (1.0 - _NOISE) + (1.0 - share) * _NOISE / max(1, values - 1))
+
     @property
     def noise(self) -> float:
         """The expected share of wrong validations."""

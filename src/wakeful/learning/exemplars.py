@@ -75,6 +75,8 @@ class Exemplars:
         self.treatment_repeats, self.label_repeats = Repeatability(), Repeatability()
         self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
         self._like: dict[bytes, list[int]] = {}
+        self._contradicted: set[int] = set()
+        self._contested: set[bytes] = set()
         self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._decided: OrderedDict[int, tuple[int, tuple[float, ...]]] = OrderedDict()
         self._taught: OrderedDict[int, int] = OrderedDict()
@@ -97,31 +99,40 @@ class Exemplars:
         """
         if not self._exemplars:
             return None
-        found = self._likest(features, predictor)
-        if found is None:
+        alike = self._alike(features, predictor)
+        if not alike:
             return None
-        exemplar, likeness = found
+        likeness, likest = alike[0]
+        exemplar = likest if len(alike) == 1 else self._together([each for _, each in alike])
         # The event at hand would be validated next: that far everything may have changed.
         at = self._now + 1
         treatments = exemplar.treatment.shares(at, self.treatment_repeats)
         labels = exemplar.label.shares(at, self.label_repeats)
         right = int(treatments.argmax())
         return Recollection(
-            exemplar=exemplar.id,
+            exemplar=likest.id,
             experiences=tuple(told.id for told in exemplar.told[:-4:-1]),
-            likeness=round(likeness, _DIGITS),
+            likeness=likeness,
             treatment=self.treatments[right] if exemplar.treatment.told else "",
             treatment_share=round(float(treatments[right]), _DIGITS),
             labels=dict(zip(self.labels, np.round(labels, _DIGITS).tolist(), strict=True)) if exemplar.label.told else {},
             noise=round(exemplar.label.noise(self.label_repeats), _DIGITS),
+            confirmed=any(told.treatment == right and told.label in (-1, int(labels.argmax())) for told in exemplar.told),
         )
+
+    def contested(self, features: Vector) -> bool:
+        """Whether an event of the same categories was contradicted: then memory is to be asked whatever the model says."""
+        return bool(self._contested) and self._pattern(features) in self._contested
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
         """Take up a record; all but Decided and Gained are passed over, and Gained where its event is no longer known."""
         if isinstance(record, Decided):
             decision = record.decision
             prior = tuple(decision.prior.get(name, 0.0) for name in self.labels)
-            self._decided[record.process] = (decision.recalled, prior if decision.model and decision.mode != "fallback" else ())
+            # Deliberation decides again, and doesn't say what memory had said.
+            earlier, _ = self._decided.get(record.process, (0, ()))
+            known = decision.model and not decision.recalled and decision.mode != "fallback"
+            self._decided[record.process] = (decision.recalled or earlier, prior if known else ())
             if len(self._decided) > _PENDING:
                 self._decided.popitem(last=False)
         elif isinstance(record, Gained) and event is not None:
@@ -142,6 +153,10 @@ class Exemplars:
         self._now = max(self._now, experience.id)
         if treatment < 0 and label < 0:
             return
+        if not recalled and prior and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED:
+            # The model knew it: nothing to remember, but that much about how reliable validations are.
+            self.label_repeats.foretold(min(max(prior[label], 1.0 - AT_MOST), AT_MOST), len(self.labels))
+            return
         told = _Told(experience.id, experience.process, treatment, label, prior)
         self._see(features)
         exemplar = self._exemplars.get(recalled) or self._same(features) or self._found(told, features)
@@ -151,6 +166,9 @@ class Exemplars:
         else:
             self._teach(exemplar, told, self.treatment_repeats, self.label_repeats)
             exemplar.told.append(told)
+        if experience.verdict is Verdict.CONTRADICTED:
+            self._contradicted.add(exemplar.id)
+            self._contested.add(self._pattern(exemplar.features))
         self._taught[told.process] = exemplar.id
         if len(self._taught) > _PENDING:
             self._taught.popitem(last=False)
@@ -167,6 +185,9 @@ class Exemplars:
 
     def _again(self, exemplar: _Exemplar, told: _Told) -> None:
         exemplar.told = [told if one.process == told.process else one for one in exemplar.told]
+        self._replay(exemplar)
+
+    def _replay(self, exemplar: _Exemplar) -> None:
         self._begin(exemplar, exemplar.told[0])
         aside = Repeatability(), Repeatability()
         for one in exemplar.told:
@@ -188,27 +209,33 @@ class Exemplars:
         exemplar.label = Belief(first, told.id, lean=LEAN)
 
     def _same(self, features: Vector) -> _Exemplar | None:
-        found = self._likest(features, None)
-        return None if found is None else found[0]
+        alike = self._alike(features, None)
+        return alike[0][1] if alike else None
 
-    def _likest(self, features: Vector, predictor: Predictor | None) -> tuple[_Exemplar, float] | None:
-        """The likest exemplar that is like enough, of equally like ones the one last founded."""
-        best: tuple[_Exemplar, float] | None = None
+    def _alike(self, features: Vector, predictor: Predictor | None) -> list[tuple[float, _Exemplar]]:
+        """The exemplars that are like enough with how like they are, the likest first, of equally like ones the last founded."""
+        found: list[tuple[float, _Exemplar]] = []
         own: Vector | None = None
-        for identity in reversed(self._like.get(self._pattern(features), ())):
+        for identity in reversed(self._like.get(self._pattern(features), ())[-_PER_PATTERN:]):
             exemplar = self._exemplars[identity]
             if float(np.abs(exemplar.features - features).max()) <= CLOSE:
-                return exemplar, 1.0
-            if predictor is None:
-                continue
-            own = self._heads(predictor, features) if own is None else own
-            if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
-                exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
-            # Half the sum of both heads' differences: no less than the greater of their total variations.
-            likeness = round(1.0 - 0.5 * float(np.abs(own - exemplar.estimate[1]).sum()), _DIGITS)
-            if likeness >= LIKE_ENOUGH and (best is None or likeness > best[1]):
-                best = exemplar, likeness
-        return best
+                found.append((1.0, exemplar))
+            elif predictor is not None:
+                own = self._heads(predictor, features) if own is None else own
+                if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
+                    exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
+                # Half the sum of both heads' differences: no less than the greater of their total variations.
+                likeness = round(1.0 - 0.5 * float(np.abs(own - exemplar.estimate[1]).sum()), _DIGITS)
+                if likeness >= LIKE_ENOUGH:
+                    found.append((likeness, exemplar))
+        return sorted(found, key=lambda pair: (-pair[0], -pair[1].id))
+
+    def _together(self, alike: list[_Exemplar]) -> _Exemplar:
+        """What was told of all of these, in the order in which it was, as one exemplar."""
+        told = sorted((one for each in alike for one in each.told), key=lambda one: one.id)[-_TOLD:]
+        whole = _Exemplar(told[0].id, alike[0].features, told, Belief(np.ones(1), 0), Belief(np.ones(1), 0))
+        self._replay(whole)
+        return whole
 
     def _heads(self, predictor: Predictor, features: Vector) -> Vector:
         estimate = predictor.estimate(features)
@@ -222,6 +249,7 @@ class Exemplars:
         elif (numeric & ~self._numeric).any():
             self._numeric = self._numeric | numeric
             self._like = {}
+            self._contested = {self._pattern(self._exemplars[each].features) for each in self._contradicted}
             for exemplar in self._exemplars.values():
                 self._like.setdefault(self._pattern(exemplar.features), []).append(exemplar.id)
 
@@ -231,8 +259,11 @@ class Exemplars:
     def _forget(self, identity: int) -> None:
         gone = self._exemplars.pop(identity)
         pattern = self._pattern(gone.features)
+        self._contradicted.discard(identity)
         left = [each for each in self._like.get(pattern, ()) if each != identity]
         if left:
             self._like[pattern] = left
         else:
             self._like.pop(pattern, None)
+        if not self._contradicted.intersection(left):
+            self._contested.discard(pattern)
