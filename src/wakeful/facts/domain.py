@@ -120,6 +120,8 @@ class Hazard(Fact, frozen=True):
     when: dict[str, Scalar | list[Scalar]] = {}
     control: str = ""
     outcomes: tuple[str, ...] = ()
+    rule: str = ""
+    """A formula of signal temporal logic over vector fields of the event: where they keep it, the hazard is not open."""
 
 
 class Fault(Fact, frozen=True):

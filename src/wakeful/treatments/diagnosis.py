@@ -18,6 +18,7 @@ from wakeful.treatments.consulting import Consultation, consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
 from wakeful.treatments.measures import significant
+from wakeful.treatments.minimal_diagnoses import MinimalDiagnosis, minimal_diagnoses
 from wakeful.treatments.noisy_or import Network
 from wakeful.treatments.one_fault import network_of
 from wakeful.treatments.planning import planning
@@ -44,6 +45,8 @@ class DiagnosisSettings(Fact, frozen=True):
     """Other events of the robot within so many outcome windows of this one count as symptoms of the same fault."""
     episodes: int = 12
     cases: int = 8
+    minimal: int = 0
+    """So many minimal diagnoses are listed: sets of faults that together explain every sign (the extra ``diagnosis``)."""
     reasoner_odds: float = 3.0
     """By how much the odds of the fault that a reasoner names are raised, once its answer has passed the check."""
 
@@ -79,6 +82,7 @@ class Diagnosis(Result, frozen=True, kw_only=True, tag="diagnosis"):
     asked: tuple[str, ...] = ()
     heard: tuple[str, ...] = ()
     settled: bool = False
+    minimal: tuple[MinimalDiagnosis, ...] = ()
     way_round: str = ""
     """What planning, as a child process, found: the faulty thing stands in the way."""
 
@@ -219,6 +223,7 @@ def _conclude(
         would_change=_would_change(top, check, mind),
         forecast=forecast,
         proposes=_proposal(event, mind, top if settled else None),
+        minimal=minimal_diagnoses(network.faults, known, settings.minimal) if settings.minimal else (),
         consulted=said.consulted,
         suspects=suspects if shown else (),
         unexplained=significant(network.unexplained(known)) if shown else 1.0,

@@ -14,6 +14,7 @@ from wakeful.facts.values import Fact, Field
 from wakeful.treatments.beta import Belief
 from wakeful.treatments.measures import significant
 from wakeful.treatments.overlap import worth
+from wakeful.treatments.signals import margin
 
 Rating = Literal["low", "medium", "serious", "high"]
 
@@ -60,6 +61,8 @@ class HazardRow(Fact, frozen=True):
     cases_to_halve: int = 0
     control: str = ""
     listed: bool = True
+    margin: float | None = None
+    """How far the event's signals are from keeping the hazard's rule (below zero: broken by so much); None without a rule."""
 
 
 def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_cases: float, mass: float) -> tuple[HazardRow, ...]:
@@ -67,7 +70,7 @@ def assess(event: Event, domain: DomainSpec, past: Sequence[Episode], table_case
     open hazard speaks of: it is not known to be harm, so it is not rated; it starts from Jeffreys' prior, Beta(1/2, 1/2).
     """
     has = circumstances(event)
-    open_now = [hazard for hazard in domain.hazard if matches(hazard.when, has)]
+    open_now = [hazard for hazard in domain.hazard if matches(hazard.when, has) and not _kept(hazard, event)]
     spoken_of = {label for hazard in open_now for label in shows_as(hazard, domain)}
     rows = [_listed(event, hazard, domain, past, table_cases, mass) for hazard in open_now]
     for label in domain.outcome.labels[1:]:
@@ -122,7 +125,16 @@ def _listed(
     hits, cases = _shown(event, shows_as(hazard, domain), domain, past)
     belief = Belief.of(hazard.likelihood, table_cases).after(hits, cases - hits)
     exposure = min(max(hazard.exposure, 0.0), 1.0)
-    return _row(hazard.name, hazard.severity, exposure, belief, cases, hits, mass, hazard.control)
+    row = _row(hazard.name, hazard.severity, exposure, belief, cases, hits, mass, hazard.control)
+    return replace(row, margin=margin(hazard.rule, event.fields)) if hazard.rule else row
+
+
+def _kept(hazard: Hazard, event: Event) -> bool:
+    """Whether the event's signals keep the hazard's rule; where it has none, or a signal is missing, nobody knows."""
+    if not hazard.rule:
+        return False
+    left = margin(hazard.rule, event.fields)
+    return left is not None and left >= 0.0
 
 
 def _unlisted(event: Event, label: str, domain: DomainSpec, past: Sequence[Episode], mass: float) -> HazardRow:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
-from wakeful.contracts.treatment import Mind
+from msgspec import convert, to_builtins
+
+from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.asking import Episode
 from wakeful.facts.events import Event
 from wakeful.facts.results import Proposal, Result
@@ -17,6 +20,7 @@ from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, wor
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
 from wakeful.treatments.measures import number
 from wakeful.treatments.remembering import resting, similar
+from wakeful.treatments.rollout import Body, Rollout, tip_over
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
 from wakeful.treatments.wording import counted, figure, percent, span, subject
@@ -34,6 +38,8 @@ class RiskSettings(Fact, frozen=True):
     propose_from: str = "serious"
     reasoner_cases: float = 2.0
     """How many cases a reasoner's likelihood of a hazard weighs, once its answer has passed the check."""
+    rollout_s: float = 0.0
+    """How far ahead a body (``width_m``, ``height_m``, ``tilt_deg``) is rolled out when deliberating (extra ``physics``); 0: not."""
     wait_periods: float = 2.0
     """How many periods of an evidence source to wait for its next reading."""
 
@@ -50,6 +56,7 @@ class RiskPrediction(Result, frozen=True, kw_only=True, tag="risk_prediction"):
 
     hazards: tuple[HazardRow, ...] = ()
     consequence: Countdown | None = None
+    rollout: Rollout | None = None
     halves: str = ""
     """Which evidence would halve the interval of the worst row."""
     asked: tuple[str, ...] = ()
@@ -84,6 +91,9 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
                 ahead = await _hear(event, mind, offer, limit_s, ahead, heard)
                 await mind.work(1)
 
+    rolled = await _roll(event, mind, settings)
+    if rolled is not None and rolled.falls_in_s is not None:
+        ahead = Countdown(what="it falls over", in_s=rolled.falls_in_s, because=f"rolled out over {rolled.seconds:g} s")
     rows = assess(event, mind.domain, past, settings.table_cases, settings.mass)
     top = worst(rows)
     # the table's own likelihoods: the rows have taken in the like cases, which have a voice of their own
@@ -122,9 +132,28 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
         hazards=rows,
         consequence=ahead,
         halves=halves,
+        rollout=rolled,
         asked=tuple(asked),
         heard=tuple(heard),
     )
+
+
+async def _roll(event: Event, mind: Mind, settings: RiskSettings) -> Rollout | None:
+    """What a physics engine says of the next seconds, where the event has a body."""
+    known = {name: number(event.fields.get(name)) for name in ("width_m", "height_m", "mass_kg", "tilt_deg", "tilt_rate_dps")}
+    told = {name: value for name, value in known.items() if value is not None}
+    if mind.mode != "delib" or settings.rollout_s <= 0.0 or not {"width_m", "height_m", "tilt_deg"} <= told.keys():
+        return None
+    body = Body(**told)
+    try:
+        answer = await mind.call(partial(_plainly, body, settings.rollout_s), "rollout", settings.rollout_s + 5.0)
+    except Refusal:
+        return None
+    return convert(answer, Rollout)
+
+
+def _plainly(body: Body, seconds: float) -> object:
+    return to_builtins(tip_over(body, seconds))
 
 
 async def _judgement(event: Event, mind: Mind, past: Sequence[Episode]) -> Consultation[Judged]:
