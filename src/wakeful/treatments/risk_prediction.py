@@ -39,7 +39,7 @@ class RiskSettings(Fact, frozen=True):
     reasoner_cases: float = 2.0
     """How many cases a reasoner's likelihood of a hazard weighs, once its answer has passed the check."""
     rollout_s: float = 0.0
-    """How far ahead a body (``width_m``, ``height_m``, ``tilt_deg``) is rolled out when deliberating (extra ``physics``); 0: not."""
+    """How far ahead a body (``width_m``, ``height_m``, ``tilt_deg``) is rolled out, deliberating (extra ``physics``); 0: not."""
     wait_periods: float = 2.0
     """How many periods of an evidence source to wait for its next reading."""
 
