@@ -45,8 +45,8 @@ class TwoHeadsPredictor:
         out = (hidden @ self._heads + self._heads_bias).tolist()
         distance, cell = self._novelty.nearest(x) if len(self._novelty.exemplars) else (0.0, -1)
         return Estimate(
-            treatments=_shares(out[: self._cut]),
-            labels=_shares(out[self._cut :]),
+            treatments=shares(out[: self._cut]),
+            labels=shares(out[self._cut :]),
             novelty=1.0 if cell < 0 else round(self._novelty.quantile(distance), _DIGITS),
             cell=cell,
         )
@@ -66,7 +66,7 @@ class TwoHeadsPredictor:
         return self._rows.estimate(features)
 
 
-def _shares(logits_of_one: list[float]) -> Vector:
+def shares(logits_of_one: list[float]) -> Vector:
     """Softmax of a handful of numbers, rounded: several times faster than numpy's calls."""
     highest = max(logits_of_one)
     parts = [math.exp(number - highest) for number in logits_of_one]

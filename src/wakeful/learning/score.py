@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from wakeful.learning.calibration import mark
-from wakeful.learning.material import Flags, Material
+from wakeful.learning.material import Flags, Floats, Material
 from wakeful.learning.model import Model, probabilities
 from wakeful.learning.network import result_losses, treatment_losses
 
@@ -23,7 +23,11 @@ class Score(msgspec.Struct, frozen=True):
 
 def score(model: Model, rows: Material, treatment_loss: float = 1.0, result_loss: float = 1.0) -> Score | None:
     """How the model does on these rows, by λ_m L_m + λ_r L_r (Eq. 8); None where nothing is known of any of them."""
-    p, q = probabilities(model, rows)
+    return score_of(*probabilities(model, rows), rows, treatment_loss, result_loss)
+
+
+def score_of(p: Floats, q: Floats, rows: Material, treatment_loss: float = 1.0, result_loss: float = 1.0) -> Score | None:
+    """The same for probabilities over treatments (n, k) and labels (n, l), whoever gave them."""
     marks = mark(p, q, rows) if len(rows.x) else None
     if marks is None or not marks.judged.any():
         return None

@@ -7,6 +7,7 @@ from hashlib import blake2b
 import msgspec
 import numpy as np
 
+from wakeful.contracts.learner import Predictor
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
 from wakeful.learning.calibration import choose_thresholds, mark
@@ -54,6 +55,14 @@ class TwoHeadsSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
     choose_from: int = 5
 
 
+class Lineage(msgspec.Struct, frozen=True, kw_only=True):
+    """What a training came from: ``continued`` from its base, or ``again`` from scratch though there was one; its epochs."""
+
+    again: bool
+    continued: bool
+    epochs: int
+
+
 class TwoHeads:
     """Trains and loads two-headed networks. Without state: the same job gives the same bytes."""
 
@@ -77,22 +86,53 @@ class TwoHeads:
         if not len(learned.x):
             raise ValueError(f"training {job.training} has nothing to learn from: all {len(rows.x)} rows are held back")
         champion = from_bytes(job.base_weights) if job.base_weights else None
+        challenger, base, epochs = self.fitted(job, learned, kept, champion)
+        weights = to_bytes(challenger)
+        own = self._score(challenger, kept)
+        other = None if base is None else self._score(calibrated(base, kept), kept)
+        lineage = Lineage(again=champion is not None and base is None, continued=base is not None, epochs=epochs)
+        return self.card(job, weights, lineage, own, other, probabilities(challenger, kept)), weights
+
+    def fitted(
+        self, job: TrainingJob, learned: Material, kept: Material, champion: Model | None
+    ) -> tuple[Model, Model | None, int]:
+        """A calibrated network, the champion in the job's terms (None where it can't be continued), and after how many epochs."""
         base = None if champion is None else continued(champion, job, self.settings.hidden)
         again = champion is not None and base is None
         fit = self._fit(job.seed, max(job.epochs, self.settings.epochs_again) if again else job.epochs)
-        challenger = self._best(self._begin(job, learned, kept, base), learned, kept, fit)
-        weights = to_bytes(challenger)
-        own, other = self._score(challenger, kept), None if base is None else self._score(calibrated(base, kept), kept)
+        return self._best(self._begin(job, learned, kept, base), learned, kept, fit), base, fit.epochs
+
+    def card(
+        self,
+        job: TrainingJob,
+        weights: bytes,
+        lineage: Lineage,
+        own: Score | None,
+        other: Score | None,
+        shares: tuple[Floats, Floats],
+    ) -> ModelCard:
+        """What is recorded of the training: lineage, how challenger and champion did on held-back rows, thresholds, support.
+
+        Args:
+            job: the training.
+            weights: the challenger's bytes.
+            lineage: what it came from.
+            own: the challenger's score.
+            other: the champion's; None where there is none to compare with.
+            shares: the challenger's probabilities on the held-back rows.
+        """
+        rows, held_back = material_of(job, self.settings.result_half_life)
+        kept = rows.rows(held_back)
         accepted, why = self._verdict(own, other, len(kept.x), job.base_version)
-        if again:
+        if lineage.again:
             why = f"started from scratch: its base was made for other features, treatments or labels; {why}"
         seen = rows.treatment[rows.treatment >= 0]
-        card = ModelCard(
+        return ModelCard(
             version=job.training,
-            base=0 if base is None else job.base_version,
+            base=job.base_version if lineage.continued else 0,
             watermark=job.watermark,
             seed=job.seed,
-            epochs=fit.epochs,
+            epochs=lineage.epochs,
             blob=blake2b(weights, digest_size=16).hexdigest(),
             accepted=accepted,
             champion_loss=None if other is None else other.loss,
@@ -102,13 +142,12 @@ class TwoHeads:
             held_back=len(kept.x),
             treatment_accuracy=None if own is None else own.treatment_accuracy,
             result_accuracy=None if own is None else own.result_accuracy,
-            thresholds=self._thresholds(job, challenger, kept, held_back),
+            thresholds=self._thresholds(job, shares, kept, held_back),
             support={name: int((seen == index).sum()) for index, name in enumerate(job.treatments) if (seen == index).any()},
             why=why,
         )
-        return card, weights
 
-    def load(self, weights: bytes) -> TwoHeadsPredictor:
+    def load(self, weights: bytes) -> Predictor:
         """The predictor of stored weights. Raises ValueError on bytes that are not a model."""
         return TwoHeadsPredictor(from_bytes(weights))
 
@@ -172,9 +211,8 @@ class TwoHeads:
         losses = f"held-back loss {own.loss:.3f} against {other.loss:.3f} of version {champion} on {held_back} experiences"
         return accepted, f"{losses}: " + ("not worse" if accepted else f"worse by more than {self.settings.tolerance:g}")
 
-    def _thresholds(self, job: TrainingJob, model: Model, kept: Material, held_back: Flags) -> dict[str, float]:
+    def _thresholds(self, job: TrainingJob, shares: tuple[Floats, Floats], kept: Material, held_back: Flags) -> dict[str, float]:
         if not len(kept.x):
             return {}
         right = None if job.right is None else np.asarray(job.right, dtype=np.bool_)[held_back]
-        p, q = probabilities(model, kept)
-        return choose_thresholds(mark(p, q, kept), job.treatments, self.settings.target_error, right)
+        return choose_thresholds(mark(*shares, kept), job.treatments, self.settings.target_error, right)

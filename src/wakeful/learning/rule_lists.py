@@ -1,0 +1,165 @@
+"""Decision lists as one of a model's experts on treatments: many lists, each with its say, and what each said in words."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import msgspec
+import numpy as np
+
+from wakeful.learning.clauses import Clause, Clauses, as_arrays, as_bits
+from wakeful.learning.material import Flags, Floats, Material
+from wakeful.learning.rule_search import Listed, Search, SearchSettings
+
+_TEMPER: Final = 9.0
+"""A chain whose lists compress this many nats worse has a say that is e times smaller."""
+_COPIES: Final = 3
+_REMEMBERED: Final = 4096
+_DIGITS = 9
+
+
+class RuleLists(msgspec.Struct, frozen=True, kw_only=True):
+    """Lists over shared clauses. ``lists`` holds rules as clause numbers in order; ``spoken`` (r, k) is what each rule of each
+    list, and then its last resort, says of the k classes, list after list; ``support`` the rows that it speaks for; ``say``
+    each list's share, which add up to 1."""
+
+    clauses: tuple[Clause, ...]
+    lists: tuple[tuple[tuple[int, ...], ...], ...]
+    spoken: Floats
+    support: tuple[int, ...]
+    say: tuple[float, ...]
+
+
+def fit_rules(rows: Material, held_back: Flags, classes: int, seed: int, settings: SearchSettings) -> tuple[RuleLists, RuleLists]:
+    """Find lists for the rows whose treatment is known: first without those held back, then, going on from there, with them.
+
+    A row that weighs twice as much as the middle one counts twice, three times at most. Without a labelled row there are no
+    lists, and all classes are equally likely.
+
+    Args:
+        rows: what is known.
+        held_back: which rows the first lists must not have seen.
+        classes: how many treatments there are.
+        seed: of the chains.
+        settings: of the search.
+
+    Returns:
+        The lists that can be tested on what was held back, and those that have learned from all.
+    """
+    known = np.flatnonzero((rows.treatment >= 0) & (rows.weight > 0.0))
+    even = np.full((1, classes), round(1.0 / classes, _DIGITS))
+    blind = RuleLists(clauses=(), lists=((),), spoken=even, support=(0,), say=(1.0,))
+    if not len(known):
+        return blind, blind
+    copies = np.clip(np.round(rows.weight[known] / float(np.median(rows.weight[known]))), 1, _COPIES).astype(np.int64)
+    at = np.repeat(known, copies)
+    treatment, kept = rows.treatment[at], held_back[at]
+    present = [int(each) for each in np.unique(treatment)]
+    bits = [as_bits(treatment == each) for each in present]
+    clauses = Clauses(rows.x[at])
+    everything = as_bits(np.ones(len(at), dtype=np.bool_))
+    seeds = [seed * 1009 + chain for chain in range(settings.chains)]
+    first = Search(clauses, bits, everything if kept.all() else as_bits(~kept), settings)
+    found = [first.chain(each) for each in seeds]
+    tested = blind if kept.all() else _kept(first, clauses, found, present, classes, settings)
+    if not kept.any():
+        return tested, tested
+    whole = Search(clauses, bits, everything, settings)
+    again = [whole.chain_from(lists[-1][1], each) for lists, each in zip(found, seeds, strict=True)]
+    return tested, _kept(whole, clauses, again, present, classes, settings)
+
+
+def _kept(
+    search: Search,
+    clauses: Clauses,
+    chains: list[list[tuple[float, Listed]]],
+    present: list[int],
+    classes: int,
+    settings: SearchSettings,
+) -> RuleLists:
+    """What the chains found, with what each rule says of the classes."""
+    found = [(place, score, rules) for place, lists in enumerate(chains) for score, rules in lists]
+    used = sorted({clause for _, _, rules in found for rule in rules for clause in rule})
+    place_of = {clause: index for index, clause in enumerate(used)}
+    spoken: list[Floats] = []
+    support: list[int] = []
+    for _, _, rules in found:
+        for counts in search.counts(rules):
+            shares: Floats = np.full(classes, settings.prior)
+            shares[present] += counts
+            spoken.append(shares / shares.sum())
+            support.append(sum(counts))
+    return RuleLists(
+        clauses=tuple(clauses.clauses[clause] for clause in used),
+        lists=tuple(tuple(tuple(place_of[clause] for clause in rule) for rule in rules) for _, _, rules in found),
+        spoken=np.asarray(np.round(np.array(spoken, dtype=np.float64), _DIGITS), dtype=np.float64),
+        support=tuple(support),
+        say=_says([score for _, score, _ in found], [chain for chain, _, _ in found]),
+    )
+
+
+def _says(scores: list[float], chains: list[int]) -> tuple[float, ...]:
+    """Each list's share: of its chain by the chain's mean score, evenly within it."""
+    by_chain: dict[int, list[float]] = {}
+    for chain, score in zip(chains, scores, strict=True):
+        by_chain.setdefault(chain, []).append(score)
+    means = {chain: sum(each) / len(each) for chain, each in by_chain.items()}
+    best = max(means.values())
+    weights = [math.exp((means[chain] - best) / _TEMPER) / len(by_chain[chain]) for chain in chains]
+    return tuple(round(each / sum(weights), _DIGITS) for each in weights)
+
+
+class RuleReader:
+    """Reads lists for one event at a time: which clauses hold becomes one integer, and a rule is one comparison."""
+
+    def __init__(self, model: RuleLists) -> None:
+        self._columns, self._others, self._slopes, self._limits, self._above = as_arrays(model.clauses)
+        self._lists: list[tuple[list[tuple[int, int]], int]] = []
+        start = 0
+        for rules in model.lists:
+            wanted = [(sum(1 << clause for clause in set(rule)), start + place) for place, rule in enumerate(rules)]
+            start += len(rules)
+            self._lists.append((wanted, start))
+            start += 1
+        self._known: dict[int, Floats] = {}
+        self._spoken = model.spoken * np.repeat(np.array(model.say), [len(rules) + 1 for rules in model.lists])[:, None]
+
+    def shares(self, x: Floats) -> Floats:
+        """Probabilities (k,) for one row (d,)."""
+        return self._of(self._holds(x))
+
+    def shares_many(self, x: Floats) -> Floats:
+        """The same for rows, (n, k)."""
+        found = np.empty((len(x), self._spoken.shape[1]))
+        flags = (x[:, self._columns] + self._slopes * x[:, self._others] > self._limits) == self._above
+        for place, row in enumerate(np.packbits(flags, axis=1, bitorder="little")):
+            found[place] = self._of(int.from_bytes(row.tobytes(), "little"))
+        return found
+
+    def speaking(self, x: Floats) -> list[int]:
+        """Which rule of each list speaks for the row, as places in ``spoken``."""
+        return self._first(self._holds(x))
+
+    def _holds(self, x: Floats) -> int:
+        flags = (x[self._columns] + self._slopes * x[self._others] > self._limits) == self._above
+        return int.from_bytes(np.packbits(flags, bitorder="little").tobytes(), "little")
+
+    def _of(self, holds: int) -> Floats:
+        found = self._known.get(holds)
+        if found is None:
+            found = np.asarray(self._spoken[self._first(holds)].sum(axis=0))
+            if len(self._known) < _REMEMBERED:
+                self._known[holds] = found
+        return found
+
+    def _first(self, holds: int) -> list[int]:
+        found = []
+        for rules, last in self._lists:
+            for rule, place in rules:
+                if holds & rule == rule:
+                    found.append(place)
+                    break
+            else:
+                found.append(last)
+        return found
