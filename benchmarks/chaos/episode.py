@@ -53,6 +53,9 @@ AFTERWARDS_S = 5_000.0
 MOST_TURNS = 20
 TURN_S = 100.0
 
+#: Of so many seeds one is audited after each recovery too; all are at their end, which puts every rule to every position.
+AUDITED = 4
+
 #: A mind that dies more often than its plan lets it does not come to its end.
 MOST_LIVES = 20
 
@@ -146,7 +149,8 @@ class _Episode:
                     journal = Witness(inner, self.ledger, failing)
                     driver = self._driver(journal)
                     try:
-                        self._check(inner)
+                        if self.plan.seed % AUDITED == 0:
+                            self._check(inner)
                         self._think(driver)
                     finally:
                         _drop(driver)

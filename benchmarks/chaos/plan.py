@@ -93,21 +93,21 @@ def draw(seed: int) -> Plan:
     random = Random(f"chaos {seed}")
     disturbed = random.random() < 0.9
     by_the_clock = random.random() < 0.25
-    long = random.random() < 0.15
+    long = random.random() < 0.1
     return Plan(
         seed=seed,
-        events=random.choice((40, 60)) if long else random.choice((10, 15, 20, 25, 30)),
+        events=random.choice((30, 40)) if long else random.choice((6, 8, 10, 12, 16, 20)),
         gap_s=random.choice((0.0, 0.2, 1.0, 4.0)),
         ends=_ends(random, disturbed, long),
         manners=Manners.drawn(random, by_the_clock=by_the_clock),
         budget=random.choice((3, 8, 15)) if by_the_clock and random.random() < 0.4 else None,
         clock_jumps=tuple(
-            (random.randrange(12), random.choice((-86_400.0, -30.0, 45.0, 3_600.0, 86_400.0)))
+            (random.randrange(16), random.choice((-86_400.0, -30.0, 45.0, 3_600.0, 86_400.0)))
             for _ in range(random.choice((0, 0, 1, 2)))
         ),
         acts=random.random() < 0.25,
         rereads=random.random() < 0.2,
-        outcomes=1.0 if long else random.choice((0.3, 0.7)),
+        outcomes=1.0 if long else random.choice((0.2, 0.5)),
         slots=random.choice((1, 1, 2, 4)),
         reasoner_slots=random.choice((0, 1, 2)),
         step_s=random.choice((0.0, 0.02, 0.1, 0.5)),
