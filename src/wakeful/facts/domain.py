@@ -146,6 +146,22 @@ class Route(Fact, frozen=True):
     two_way: bool = True
 
 
+class Errand(Fact, frozen=True):
+    """One thing to do at a place, after others of the same task."""
+
+    does: str
+    at: str
+    after: tuple[str, ...] = ()
+
+
+class Task(Fact, frozen=True):
+    """A task by its name, as an event's context names it: errands with their order, and where the robot ends."""
+
+    name: str
+    errands: tuple[Errand, ...]
+    end: str = ""
+
+
 class Cause(Fact, frozen=True):
     """An arrow of the causal graph between event kinds (or outcome labels), with its usual delay."""
 
@@ -183,6 +199,7 @@ class DomainSpec(Fact, frozen=True):
     one_fault: bool = False
     """Exactly one of the faults is there at a time, or none; else they come independently of one another."""
     route: tuple[Route, ...] = ()
+    task: tuple[Task, ...] = ()
     cause: tuple[Cause, ...] = ()
     treatments: tuple[str, ...] = ()
     """Treatments that may be chosen here; empty: all that are registered."""

@@ -5,13 +5,16 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Literal
 
-from wakeful.contracts.treatment import Mind
+from msgspec import convert
+
+from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast, Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
+from wakeful.treatments.errands import START_S, Plan, planned, problem
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.procedure import Step, steps_for
 from wakeful.treatments.remembering import resting, similar
@@ -26,6 +29,8 @@ class PlanningSettings(Fact, frozen=True):
     ways: int = 2
     ways_deliberating: int = 5
     cases: int = 6
+    task_s: float = 0.0
+    """For how long the plan of the whole task is searched when deliberating (the extra ``planning``); 0: not at all."""
 
 
 class Proposed(Fact, frozen=True):
@@ -50,6 +55,9 @@ class Planning(Result, frozen=True, kw_only=True, tag="planning"):
     extra_cost: float | None = None
     """What the plan costs beyond the cheapest way with nothing blocked."""
     old_plan_fails: str = ""
+    task_plan: Plan | None = None
+    no_task_plan: str = ""
+    """Why the task has none, where one was wanted."""
 
 
 @treatment(
@@ -96,6 +104,7 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
     blocked = (*trip.shut_nodes, *(leg_name(leg) for leg in trip.shut_legs))
     extra = round(found[0].cost - before[0].cost, 6) if found and before else None
     fails = _fails(before[0] if before else None, trip, blocked)
+    task_plan, no_task_plan = await _task_plan(event, mind, left, trip.start, settings)
     best = found[0] if found else None
     return Planning(
         says=sentence(mind, subject(event), _found(trip, best, extra, blocked, len(found)), expectation(forecast)),
@@ -120,7 +129,27 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
         alternatives=found[1:],
         extra_cost=extra,
         old_plan_fails=fails,
+        task_plan=task_plan,
+        no_task_plan=no_task_plan,
     )
+
+
+async def _task_plan(event: Event, mind: Mind, left: Graph, start: str, settings: PlanningSettings) -> tuple[Plan | None, str]:
+    """The plan of the task that the event's context names, from where the robot is; or why there is none."""
+    task = next((each for each in mind.domain.task if each.name == event.context.task), None)
+    if task is None or mind.mode != "delib" or settings.task_s <= 0.0:
+        return None, ""
+    errands = problem(task, start, left, settings.task_s)
+
+    async def search() -> dict[str, object]:
+        return await planned(errands)
+
+    try:
+        answer = await mind.call(search, f"task {task.name}", settings.task_s + START_S)
+    except Refusal as refusal:
+        return None, str(refusal)
+    found = convert(answer, Plan)
+    return found, "" if found.feasible else f"no order of its errands can be driven on what is left of the graph from {start}"
 
 
 def _with(found: tuple[Way, ...], nodes: tuple[str, ...], left: Graph) -> tuple[Way, ...]:
