@@ -145,7 +145,7 @@ async def _task_plan(event: Event, mind: Mind, left: Graph, start: str, settings
         return await planned(errands)
 
     try:
-        answer = await mind.call(search, f"task {task.name}", settings.task_s + START_S)
+        answer: dict[str, object] = await mind.call(search, f"task {task.name}", settings.task_s + START_S)
     except Refusal as refusal:
         return None, str(refusal)
     found = convert(answer, Plan)
