@@ -84,7 +84,7 @@ SYSTEMS: dict[str, Entry] = {
         durable=True,
         needs=("dbos",),
         share=0.1,
-        window=32,
+        window=8,
         beside=("beside.py",),
     ),
     "langgraph": Entry(
@@ -94,7 +94,7 @@ SYSTEMS: dict[str, Entry] = {
         durable=True,
         needs=("langgraph", "langgraph.checkpoint.sqlite"),
         share=0.1,
-        window=32,
+        window=8,
         beside=("beside.py",),
     ),
     "py_trees": Entry(module="of_py_trees", name="PyTrees", durable=False, needs=("py_trees",), beside=("beside.py",)),
