@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import struct
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Schema, St
 from mcap.stream_reader import StreamReader, breakup_chunk
 
 from wakeful.bridges.ros_raw import Broken, RawMessage
+from wakeful.bridges.unpacking import unpacked
 
 MAGIC_BYTES: Final = 8
 _MAX_RECORD_BYTES: Final = 256_000_000
@@ -74,6 +76,9 @@ class _Described:
         try:
             if chunk.uncompressed_size > _MAX_RECORD_BYTES:
                 raise ValueError(f"it holds {chunk.uncompressed_size:,} bytes")
+            if chunk.compression:
+                data = unpacked(chunk.compression, chunk.data, _MAX_RECORD_BYTES)
+                chunk = dataclasses.replace(chunk, compression="", data=data)
             records = breakup_chunk(chunk, validate_crc=True)
         except Exception as failure:
             # Each compression library raises errors of its own; none of them derives from another's.

@@ -5,16 +5,15 @@ The format: http://wiki.ros.org/Bags/Format/2.0. The index at the end is used by
 
 from __future__ import annotations
 
-import bz2
 import io
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import BinaryIO, Final
 
 import msgspec
 
-from wakeful.bridges.content import extra
 from wakeful.bridges.ros_raw import Broken, RawMessage
+from wakeful.bridges.unpacking import unpacked
 from wakeful.facts.time import NS_PER_S
 
 MAGIC: Final = b"#ROSBAG V2.0\n"
@@ -22,6 +21,7 @@ MAX_RECORD_BYTES: Final = 256_000_000
 _LENGTH: Final = struct.Struct("<I")
 _POSITION: Final = struct.Struct("<Q")
 _TIME: Final = struct.Struct("<II")
+_PACKINGS: Final = ("none", "bz2", "lz4")
 _MESSAGE, _BAG, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
 
 Fields = dict[bytes, bytes]
@@ -130,11 +130,11 @@ def _operation(fields: Fields) -> int:
 def _chunk(fields: Fields, data: bytes, connections: dict[int, _Connection]) -> Iterator[RawMessage | Broken]:
     """A chunk's messages. A chunk that can't be unpacked is lost alone; one that turns out garbled, from there on."""
     packing = fields.get(b"compression", b"none").decode("ascii", "replace")
-    if (unpack := _UNPACKERS.get(packing)) is None:
+    if packing not in _PACKINGS:
         yield Broken(f"a chunk packed as {packing!r}, which is not read here (none, bz2 and lz4 are)")
         return
     try:
-        stream = io.BytesIO(unpack(data))
+        stream = io.BytesIO(data if packing == "none" else unpacked(packing, data, MAX_RECORD_BYTES))
     except (OSError, ValueError, RuntimeError, EOFError) as failure:
         yield Broken(f"a chunk of {len(data):,} bytes can't be unpacked: {failure}")
         return
@@ -147,16 +147,6 @@ def _chunk(fields: Fields, data: bytes, connections: dict[int, _Connection]) -> 
                 yield _message(inner, body, connections)
     except (Damaged, struct.error) as failure:
         yield Broken(f"a chunk is damaged, the rest of it is lost: {failure}")
-
-
-def _unpack_lz4(data: bytes) -> bytes:
-    with extra("ros", "an lz4-packed bag"):
-        import lz4.frame  # noqa: PLC0415
-    unpacked: bytes = lz4.frame.decompress(data)
-    return unpacked
-
-
-_UNPACKERS: Final[dict[str, Callable[[bytes], bytes]]] = {"none": bytes, "bz2": bz2.decompress, "lz4": _unpack_lz4}
 
 
 def _learn(fields: Fields, data: bytes, connections: dict[int, _Connection]) -> None:

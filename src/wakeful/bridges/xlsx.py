@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import zipfile
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Final
 
 from wakeful.bridges.content import Overlong, bounded_lines, digest_of, extra, opened, too_long
 from wakeful.bridges.rows import Cells, Unreadable, observations
+from wakeful.bridges.unpacking import archive_bytes
 from wakeful.contracts.bridge import Item, Peek, SourceError
 from wakeful.facts.events import Observation
 from wakeful.facts.time import to_s
@@ -17,6 +19,7 @@ from wakeful.facts.time import to_s
 _SHEETS: Final = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 _TEXTS: Final = (".csv", ".tsv")
 _PEEK_ROWS: Final = 100
+_MAX_UNPACKED_BYTES: Final = 500_000_000
 
 
 class XlsxBridge:
@@ -56,6 +59,9 @@ def _sheet(path: Path) -> list[Cells | Unreadable]:
         from python_calamine import CalamineError, CalamineWorkbook  # noqa: PLC0415
     with opened(path) as file:
         try:
+            if zipfile.is_zipfile(file) and archive_bytes(path, _MAX_UNPACKED_BYTES) > _MAX_UNPACKED_BYTES:
+                raise ValueError(f"unpacked it holds more than {_MAX_UNPACKED_BYTES:,} bytes")
+            file.seek(0)
             workbook = CalamineWorkbook.from_filelike(file)
             sheet = workbook.get_sheet_by_index(0)
             return list(sheet.to_python(skip_empty_area=False))
