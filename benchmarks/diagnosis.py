@@ -111,11 +111,19 @@ def _minutes(path: Path) -> Iterator[dict[str, float]]:
 
 def by_diagnosis(earlier: Sequence[Case], later: Sequence[Case]) -> list[list[str]]:
     """The treatment's suspects, in its order."""
-    domain = DomainSpec(name="recorded", version=1, says="learned from earlier cases", fault=learn_faults(earlier), one_fault=True)
+    domain = DomainSpec(
+        name="recorded", version=1, says="learned from earlier cases", fault=learn_faults(earlier), one_fault=True
+    )
     ranked = []
     for number, (values, _) in enumerate(later):
         event = Event(
-            id=str(number), kind="failure", entity="arm", source="s", position=number, stamp=Stamp(source_ns=0), fields=dict(values)
+            id=str(number),
+            kind="failure",
+            entity="arm",
+            source="s",
+            position=number,
+            stamp=Stamp(source_ns=0),
+            fields=dict(values),
         )
         result = ScriptedMind(domain, "auto").run(diagnosis, event)
         assert isinstance(result, Diagnosis)
@@ -217,9 +225,13 @@ def main() -> None:
     print(f"{'recording':10} {'method':14} {'faults':>6} {'earlier':>7} {'later':>5}  {'top-1 (95 %)':>20} {'top-3 (95 %)':>20}")
     for row in found:
         cells = [f"{100 * row[n]:5.1f} ({100 * row[f'{n}_low']:.1f}–{100 * row[f'{n}_high']:.1f})" for n in ("top1", "top3")]
-        print(f"{row['recording']:10} {row['method']:14} {row['faults']:>6} {row['earlier']:>7} {row['later']:>5}  {cells[0]:>20} {cells[1]:>20}")
+        print(
+            f"{row['recording']:10} {row['method']:14} {row['faults']:>6} {row['earlier']:>7} {row['later']:>5}  {cells[0]:>20} {cells[1]:>20}"
+        )
     out = next((row["left_out"] for row in found if row.get("left_out")), [])
-    print(f"left out of skab, one file only: {', '.join(out) or 'none'}; median files a fault: {median([17, 5, 4, 5, 2, 2, 1]):g}")
+    print(
+        f"left out of skab, one file only: {', '.join(out) or 'none'}; median files a fault: {median([17, 5, 4, 5, 2, 2, 1]):g}"
+    )
 
 
 if __name__ == "__main__":
