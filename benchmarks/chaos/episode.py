@@ -101,7 +101,7 @@ class _Episode:
         self.outside = Outside(self.ledger.does)
         self.domain = domain()
         self.kernel: Kernel | None = None
-        self.reasoner = FaultyReasoner(_right, plan.manners, plan.seed, self._now_s)
+        self.reasoner = FaultyReasoner(right, plan.manners, plan.seed, self._now_s)
         self.wrong: list[str] = []
         self.lives = 0
 
@@ -274,7 +274,8 @@ def _policy(plan: Plan) -> Policy:
             return PrimaryShare(ageing, 0.3, 0.1)
 
 
-def _right(question: Question) -> Reply:
+def right(question: Question) -> Reply:
+    """What a reasoner without faults says in this domain."""
     kind = question.facts.get("kind", "")
     choice = kind if kind in question.options else "description"
     forecast = LABELS[1] if question.facts.get("state") == "odd" else LABELS[0]

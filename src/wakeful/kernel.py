@@ -31,6 +31,7 @@ from wakeful.facts.lines import (
     Acted,
     Admitted,
     AnyRecord,
+    Compacted,
     Concluded,
     Duplicate,
     Gained,
@@ -196,13 +197,20 @@ class Kernel:
                 self._hear(item.source)
                 self._refuse(item)
             case Begin():
-                self.write(self._sources.begin(item))
+                self._begin(item)
             case End():
                 self._break_off(item)
             case Act(act="rollback"):
                 self._roll_back(item)
             case Act():
                 self._scheduler.act(item)
+
+    def _begin(self, begin: Begin) -> None:
+        opened = self._sources.begin(begin)
+        self.write(opened)
+        if opened.resumed_at and begin.offset_ns:
+            told = f"{begin.source}: its clock was set anew; {to_s(begin.offset_ns):.1f} s now take it to kernel time"
+            self.write(Noted(what="clock set anew", detail=told, source=begin.source))
 
     def _encounter(self, observation: Observation) -> None:
         """Encounter and register: e = D(o, c) (Eq. 1)."""
@@ -277,6 +285,7 @@ class Kernel:
         return made if self._guarantee is None else self._guarantee.hold(decision, made)
 
     def _evidence(self, evidence: Evidence) -> None:
+        evidence = msgspec.structs.replace(evidence, received_ns=self._now_ns)
         if evidence.topic == CLEARED:
             self._scheduler.deliver(evidence)
             self._scheduler.moot(evidence.key)
@@ -441,7 +450,7 @@ class Kernel:
             self._events[record.event.id] = record.event
             if len(self._events) > self.settings.keep_events:
                 self._events.popitem(last=False)
-        if isinstance(record, Admitted | Duplicate | Refused):
+        if isinstance(record, Admitted | Duplicate | Refused | Compacted):
             self._admission.apply(record)
         self._scheduler.processes.apply(record, now_ns)
         self._validation.apply(record, now_ns)

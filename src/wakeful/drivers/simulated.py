@@ -17,14 +17,15 @@ from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.sd_notify import Heart
+from wakeful.drivers.source_clock import Coming, set_back, source_time_ns
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation, Undecodable
-from wakeful.facts.evidence import Evidence, Outcome
+from wakeful.facts.evidence import Outcome
 from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry
-from wakeful.facts.time import LARGEST_NS, to_ns
+from wakeful.facts.time import to_ns
 from wakeful.journal.acts import ActSpool
 from wakeful.kernel import Kernel
 
@@ -115,9 +116,10 @@ class SimulatedDriver:
         source_ns: int | None = None
         pending = 0
         try:
-            for item in self._heart.over(items(after)):
+            coming = Coming(items(after))
+            for item in self._heart.over(coming):
                 position += 1
-                at_ns = _source_ns(item)
+                at_ns = source_time_ns(item)
                 if offset_ns is None:
                     offset_ns = max(0, self.kernel.now_ns - at_ns) if at_ns is not None else self.kernel.now_ns
                     self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
@@ -125,6 +127,9 @@ class SimulatedDriver:
                     if source_ns is not None:
                         self._keep_pace(max(0, at_ns - source_ns) / 1e9)
                     source_ns = at_ns
+                    if set_back(at_ns, coming, self.kernel.now_ns - offset_ns):
+                        offset_ns = self.kernel.now_ns - at_ns
+                        self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
                     self._advance(max(self.kernel.now_ns, at_ns + offset_ns))
                 self._feed([_named(item, name, position), Mark(source=name, position=position)], self.kernel.now_ns)
                 self._take_acts()
@@ -272,13 +277,6 @@ class SimulatedDriver:
         if self._blobs:
             reach("publication: committed")
         self._lines, self._blobs, self._state = [], {}, {}
-
-
-def _source_ns(item: Item) -> int | None:
-    """The item's own time; None where it has none, or one that no clock shows."""
-    if isinstance(item, Observation | Draft | Evidence | Outcome) and abs(item.at_ns) <= LARGEST_NS:
-        return item.at_ns
-    return None
 
 
 def _named(item: Item, source: str, position: int) -> Input:

@@ -12,7 +12,9 @@ Origin = Literal["world", "person", "reasoner"]
 class Evidence(Fact, frozen=True):
     """Later information, addressed by topic and key, never by object reference.
 
-    ``id`` makes it idempotent: the same id delivered twice counts once.
+    ``id`` makes it idempotent: the same id delivered twice counts once. ``at_ns`` is when it was observed, by the clock of
+    whoever says so; ``received_ns`` when it came, by kernel time, which the kernel fills in. For how long it is kept goes by the
+    latter, so that a clock that is wrong makes no evidence vanish.
     """
 
     id: str
@@ -21,6 +23,7 @@ class Evidence(Fact, frozen=True):
     at_ns: int
     value: Raw = NOTHING
     origin: Origin = "world"
+    received_ns: int = 0
 
 
 class Outcome(Fact, frozen=True):

@@ -16,7 +16,10 @@ from wakeful.facts.values import NOTHING, Fact, Raw
 
 
 class Begin(Fact, frozen=True):
-    """A source is about to be read. ``digest`` is of its content, or the incarnation of a live one."""
+    """A source is about to be read. ``digest`` is of its content, or the incarnation of a live one.
+
+    ``offset_ns`` takes its clock to kernel time. Given for a source that is being read, it says that the clock was set anew.
+    """
 
     source: str
     digest: str
@@ -106,6 +109,7 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
     -1 where undecided; refuted (n,) int, the index of a treatment known to be wrong or -1; weight (n,) float64.
     Rows stand in the order in which they were gained. ``held_back`` rows (by mask) are for champion/challenger and
     calibration only. ``right`` (n,) bool says whether what was concluded at the time came true, where that is known.
+    ``advised`` (n,) int is the treatment that deliberation chose at the time, or -1 where nobody deliberated.
     """
 
     training: int
@@ -123,6 +127,7 @@ class TrainingJob(msgspec.Struct, frozen=True, kw_only=True):
     weight: object
     held_back: object
     right: object = None
+    advised: object = None
 
 
 class Requests(msgspec.Struct, frozen=True, kw_only=True):

@@ -65,6 +65,8 @@ class Sources:
             )
             self._registrars[begin.source] = SpecRegistrar(self._domain, begin.digest)
         source = self.states[begin.source]
+        if resumes and begin.offset_ns:
+            source.offset_ns = begin.offset_ns
         spec = self._domain.spec
         return Opened(
             source=begin.source,

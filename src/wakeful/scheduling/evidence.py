@@ -36,8 +36,8 @@ class EvidenceShelf:
         if any(each.id == evidence.id for each in kept):
             self._shelf[name] = kept
             return False
-        oldest_ns = evidence.at_ns - self._keep_ns.get(evidence.topic, self._default_keep_ns)
-        fresh = tuple(each for each in kept if each.at_ns >= oldest_ns)
+        oldest_ns = _came_ns(evidence) - self._keep_ns.get(evidence.topic, self._default_keep_ns)
+        fresh = tuple(each for each in kept if _came_ns(each) >= oldest_ns)
         self._shelf[name] = (*fresh, evidence)[-MAX_PER_KEY:]
         self._dirty[name] = None
         while len(self._shelf) > MAX_KEYS:
@@ -47,10 +47,10 @@ class EvidenceShelf:
         return True
 
     def of(self, topic_key: str, since_ns: int) -> tuple[Evidence, ...]:
-        """What is kept under ``topic_key`` and is no older than its retention before ``since_ns``."""
+        """What is kept under ``topic_key`` and came no longer than its retention before ``since_ns``."""
         topic = topic_key.partition("\x1f")[0]
         oldest_ns = since_ns - self._keep_ns.get(topic, self._default_keep_ns)
-        return tuple(each for each in self._shelf.get(topic_key, ()) if each.at_ns >= oldest_ns)
+        return tuple(each for each in self._shelf.get(topic_key, ()) if _came_ns(each) >= oldest_ns)
 
     def changed(self) -> dict[str, bytes | None]:
         """The state to commit since the last call."""
@@ -64,4 +64,9 @@ class EvidenceShelf:
     def restore(self, state: Mapping[str, bytes]) -> None:
         """Take up what was committed. The order of keys by age is that of their newest piece."""
         found = {key[len(_PREFIX) :]: _KEPT.decode(value) for key, value in state.items() if key.startswith(_PREFIX)}
-        self._shelf = dict(sorted(found.items(), key=lambda item: (item[1][-1].at_ns, item[0])))
+        self._shelf = dict(sorted(found.items(), key=lambda item: (_came_ns(item[1][-1]), item[0])))
+
+
+def _came_ns(evidence: Evidence) -> int:
+    """When it came; before that was recorded, journals told only when it had been observed."""
+    return evidence.received_ns or evidence.at_ns
