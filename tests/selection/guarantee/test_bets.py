@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from wakeful.selection.guarantee.bets import LEVELS, SHARES, WEIGHTS, Tally, place_of, proven
+from wakeful.selection.guarantee.bets import LEVELS, SHARES, WEIGHTS, Tally, place_of
 
 TRUE, FALSE = np.array(True), np.array(False)
 
@@ -88,16 +88,10 @@ def test_so_many_more_events_are_needed_and_not_one_less(errors: int) -> None:
 def test_looked_at_after_every_event_a_risk_of_alpha_is_hardly_ever_refuted(probability: float) -> None:
     random = np.random.default_rng(11)
     runs, alpha, delta = 3000, 0.05, 0.05
-    tally, ever = Tally((runs,)), np.zeros(runs, dtype=bool)
+    tally, ever, strictest = Tally((runs,)), np.zeros(runs, dtype=bool), np.zeros(runs, dtype=np.int64)
     for _ in range(700):
         wrong = (random.random(runs) < alpha) & (random.random(runs) < probability)
-        tally.count(np.zeros(runs, dtype=np.int64), wrong, probability)
-        ever |= tally.log_capital(alpha, slice(0, 1))[:, 0] >= -math.log(delta)
+        tally.count(strictest, wrong, probability)
+        ever |= tally.log_capital(alpha, strictest) >= -math.log(delta)
     share = float(ever.mean())
     assert 0.0 < share <= delta
-
-
-def test_levels_are_proven_from_the_strictest_on_up_to_the_first_that_is_not() -> None:
-    reached = np.zeros((2, len(LEVELS)), dtype=bool)
-    reached[0, [0, 1, 3]] = True
-    assert proven(reached).tolist() == [2, 0]

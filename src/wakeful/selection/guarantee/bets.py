@@ -33,7 +33,6 @@ _LOG_WEIGHTS = np.log(np.array(WEIGHTS))
 #: Log of what an error leaves. Nothing is left of a share of 1: a finite number, so that no error times it is no NaN.
 _LOG_LEFT = np.where(_SHARES < 1.0, np.log1p(-np.minimum(_SHARES, 0.999)), -1e9)
 _BISECTIONS = 40
-_ALL = slice(None)
 
 
 def place_of(score: float | Floats) -> Counts:
@@ -78,13 +77,17 @@ class Tally:
         for counts in self.quiet.values():
             counts[where] = 0
 
-    def log_capital(self, risk: float | Floats, levels: slice = _ALL) -> Floats:
-        """Log of the capital against "the risk is at least ``risk``", at each of the levels, ``(*shape, levels)``."""
+    def log_capital(self, risk: float | Floats, place: Counts | None = None) -> Floats:
+        """Log of the capital against "the risk is at least ``risk``".
+
+        Returns:
+            At each level, ``(*shape, levels)``; or at one level each, ``place``, both of ``shape``.
+        """
         level = np.asarray(risk, dtype=np.float64)[..., None]
-        logs = self.errors[..., levels, None] * _LOG_LEFT
+        logs = _at(self.errors, place)[..., None] * _LOG_LEFT
         for probability, counts in self.quiet.items():
             gains = np.log1p(_SHARES * level * probability / (1.0 - level * probability))
-            logs = logs + counts[..., levels, None] * gains
+            logs = logs + _at(counts, place)[..., None] * gains
         logs = logs + _LOG_WEIGHTS
         top = logs.max(axis=-1)
         return np.asarray(top + np.log(np.exp(logs - top[..., None]).sum(axis=-1)))
@@ -100,13 +103,13 @@ class Tally:
 
     def more_needed(self, place: int, alpha: float, delta: float) -> int:
         """How many more events without an error, each drawn for sure, certify the level at ``place`` (one tally only)."""
-        at, limit = slice(place, place + 1), -math.log(delta)
+        at, limit = np.asarray(place), -math.log(delta)
         ahead = Tally()
         ahead.errors, ahead.quiet = self.errors, dict(self.quiet)
 
         def certified(more: int) -> bool:
             ahead.quiet[1.0] = self.quiet[1.0] + more
-            return float(ahead.log_capital(alpha, at)[0]) >= limit
+            return float(ahead.log_capital(alpha, at)) >= limit
 
         if certified(0):
             return 0
@@ -120,10 +123,5 @@ class Tally:
         return high
 
 
-def proven(reached: Flags) -> Counts:
-    """How many levels are certified, from the strictest on: up to the first that has not been reached.
-
-    Fixed-sequence testing (Angelopoulos et al. 2022, *Learn then Test*): the risk grows with every looser level, so the first
-    level that is too risky is the only one whose test can go wrong, and no correction for the number of levels is needed.
-    """
-    return np.asarray(np.logical_and.accumulate(reached, axis=-1).sum(axis=-1))
+def _at(counts: Counts, place: Counts | None) -> Counts:
+    return counts if place is None else np.take_along_axis(counts, np.asarray(place)[..., None], axis=-1)[..., 0]

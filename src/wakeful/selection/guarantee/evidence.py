@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wakeful.selection.guarantee.bets import LEVELS, Counts, Flags, Floats, Tally, proven
+from wakeful.selection.guarantee.bets import LEVELS, Counts, Flags, Floats, Tally
 from wakeful.selection.guarantee.settings import GuaranteeSettings
 from wakeful.selection.guarantee.watch import step
 
@@ -26,7 +26,7 @@ class Evidence:
         self.settings = settings
         self.tally = Tally(shape)
         self.number: Counts = np.full(shape, number, dtype=np.int64)
-        self._reached: Flags = np.zeros((*shape, len(LEVELS)), dtype=np.bool_)
+        self.proven: Counts = np.zeros(shape, dtype=np.int64)
         self.audited: Floats = np.zeros(shape)
         self.seen: Floats = np.zeros(shape)
 
@@ -68,15 +68,20 @@ class Evidence:
         self.seen = np.where(watched, seen, self.seen)
 
     def weigh(self) -> Counts:
-        """How many levels are certified now, from the strictest on. What was once certified stays so until ``restart``."""
-        limit = -np.log(self.delta)
-        self._reached |= self.tally.log_capital(self.settings.alpha) >= limit[..., None]
-        return proven(self._reached)
+        """How many levels are certified now, from the strictest on. What was once certified stays so until ``restart``.
 
-    @property
-    def proven(self) -> Counts:
-        """As ``weigh`` found it last."""
-        return proven(self._reached)
+        Only the next looser level is tested, and the one after it once that has passed. This is fixed-sequence testing
+        (Angelopoulos et al. 2022, *Learn then Test*): the risk grows with every looser level, so the first that is too risky is
+        the only one whose test can go wrong, and no correction for the number of levels is needed.
+        """
+        limit = -np.log(self.delta)
+        while True:
+            left = self.proven < len(LEVELS)
+            place = np.minimum(self.proven, len(LEVELS) - 1)
+            passed = left & (self.tally.log_capital(self.settings.alpha, place) >= limit)
+            if not passed.any():
+                return self.proven
+            self.proven = self.proven + passed
 
     def alarms(self) -> tuple[Flags, Flags]:
         """Whether the watch over audited answers gives alarm, and the one over all that are seen to be wrong."""
@@ -86,7 +91,7 @@ class Evidence:
     def restart(self, where: Flags) -> None:
         """A certificate was revoked there: nothing that was seen counts for the next one."""
         self.tally.clear(where)
-        self._reached[where] = False
+        self.proven = np.where(where, 0, self.proven)
         self.number = self.number + where
         self.audited = np.where(where, 0.0, self.audited)
         self.seen = np.where(where, 0.0, self.seen)
