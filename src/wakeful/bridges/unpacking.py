@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import bz2
 import io
+import lzma
+import struct
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -12,6 +15,17 @@ from typing import Final
 from wakeful.bridges.content import extra
 
 _BLOCK: Final = 1 << 20
+_ARCHIVE_DAMAGE: Final = (
+    zipfile.BadZipFile,
+    zlib.error,
+    lzma.LZMAError,
+    struct.error,
+    NotImplementedError,
+    RuntimeError,
+    EOFError,
+    OSError,
+    ValueError,
+)
 
 
 def unpacked(packing: str, data: bytes, limit: int) -> bytes:
@@ -81,6 +95,6 @@ def archive_bytes(path: Path, limit: int) -> int:
                         held += len(block)
                         if held > limit:
                             return held
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+    except _ARCHIVE_DAMAGE as error:
         raise ValueError(str(error) or type(error).__name__) from error
     return held
