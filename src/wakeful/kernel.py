@@ -98,7 +98,7 @@ class Kernel:
         self._overload = Overload(settings.overload)
         self._guarantee = guarantee_of(settings)
         self._selector = Selector(spec, options, learner, SelectionSettings(), self._guarantee)
-        self._episodes = Episodes(self._selector.encode)
+        self._episodes = Episodes(self._selector.encode, settings.episodes)
         self._exemplars = Exemplars(self._selector.encode, options, spec.outcome.labels)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)

@@ -22,11 +22,11 @@ class MindSettings(Fact, frozen=True):
     once, the others queue by priority (0: no limit). ``repay_after_s``: so long after a reasoner refused it is asked again about
     the riskiest event that holds a provisional treatment for it, each pause twice as long, up to an hour; where it answers, the
     others are repaid too, one each ``repay_every_s`` (``repay_after_s`` 0: never by themselves). ``keep_events``: completed
-    events kept in memory for late outcomes and reopening. ``nearest``: how many validated experiences a decision names as
-    what it rests on. ``primary_share``: the share of time in which only critical processes may run, for the robot's own task;
-    ``primary_quantum_s`` at a time.
-    ``consult``: in delib mode treatments put typed questions of their own to the reasoner, beside the one that chooses the
-    treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
+    events kept in memory for late outcomes and reopening. ``episodes``: events that episodic memory keeps to be recalled
+    (above 100,000 with the extra ``memory``). ``nearest``: how many validated experiences a decision names as what it rests
+    on. ``primary_share``: the share of time in which only critical processes may run, for the robot's own task;
+    ``primary_quantum_s`` at a time. ``consult``: in delib mode treatments put typed questions of their own to the reasoner,
+    beside the one that chooses the treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
     processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
     crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt. ``overload``: what is given up, in which
     order, when more comes than can be thought about.
@@ -52,6 +52,7 @@ class MindSettings(Fact, frozen=True):
     repay_after_s: float = 60.0
     repay_every_s: float = 1.0
     keep_events: int = 10_000
+    episodes: int = 20_000
     nearest: int = 3
     consult: bool = False
     primary_share: float = 0.0

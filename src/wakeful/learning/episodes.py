@@ -1,4 +1,4 @@
-"""Episodic memory: what was met, what was concluded and how it ended, searched by likeness. Exact, by brute force."""
+"""Episodic memory: what was met, what was concluded and how it ended, searched by likeness. Exact up to 100,000 episodes."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from wakeful.facts.asking import Episode, Query
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Verdict
 from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Gained, Imported, Judged
+from wakeful.learning.approximate import EXACT, LOOKED_AT, Approximate, installed
 
 Encode = Callable[[Event], Vector]
 
@@ -42,11 +43,14 @@ class Episodes:
 
     Features are kept as float32 in one array that doubles when it is full. Candidates are found by one matrix product in
     float32 and then measured again in float64, so that the order is exact; distances are rounded to 6 digits, and equal
-    ones go by newest, then by event id.
+    ones go by newest, then by event id. Where more than ``exact`` are remembered and the extra ``memory`` is installed, the
+    candidates come from an approximate index; what it finds is measured and ordered as before.
     """
 
-    def __init__(self, encode: Encode, limit: int = 20_000) -> None:
+    def __init__(self, encode: Encode, limit: int = 20_000, exact: int = EXACT) -> None:
         self.limit = limit
+        self._exact = exact
+        self._near: Approximate | None = None
         self._encode = encode
         self._entries: list[_Entry] = []
         self._at: dict[str, int] = {}
@@ -120,7 +124,10 @@ class Episodes:
         if limit <= 0 or not len(places):
             return []
         count = len(self._entries)
-        if len(places) > limit:
+        near = self._candidates(features, wanted, limit)
+        if near is not None:
+            places = near
+        elif len(places) > limit:
             rough = self._norms[:count] - 2.0 * (self._rows[:count] @ features.astype(np.float32))
             rough = rough[places]
             # float32 errs by far less than this: whatever might belong to the first `limit` is measured again.
@@ -130,6 +137,24 @@ class Episodes:
         distances = np.round(np.sqrt(np.einsum("ij,ij->i", apart, apart)), _DIGITS)
         pairs = zip(places.tolist(), distances.tolist(), strict=True)
         return sorted(pairs, key=lambda pair: (pair[1], -self._entries[pair[0]].order, self._entries[pair[0]].event.id))[:limit]
+
+    def _candidates(self, features: Vector, wanted: npt.NDArray[np.bool_], limit: int) -> npt.NDArray[np.intp] | None:
+        """What the approximate index finds of what is wanted; None where there is no index, or it finds too few."""
+        if self._near is None:
+            return None
+        found = np.sort(self._near.search(features.astype(np.float32), LOOKED_AT * limit))
+        found = found[found < len(wanted)]
+        found = found[wanted[found]]
+        return found if len(found) >= limit else None
+
+    def _index(self, place: int) -> None:
+        """Keep the index up with the rows, once there are too many for an exact search."""
+        if self._near is None:
+            if place < self._exact or not installed():
+                return
+            self._near = Approximate(self._rows.shape[1])
+        for missing in range(len(self._near), place + 1):
+            self._near.add(missing, self._rows[missing])
 
     def _admit(self, event: Event) -> None:
         if event.id in self._at:
@@ -147,6 +172,7 @@ class Episodes:
         self._at[event.id] = index
         self._admitted += 1
         self._entries.append(_Entry(event=event, order=self._admitted))
+        self._index(index)
 
     def _import(self, record: Imported) -> None:
         """Another robot's event is remembered with what came of it; an event that is remembered already stays as it is."""
@@ -211,6 +237,7 @@ class Episodes:
 
     def _forget(self) -> None:
         gone = max(1, len(self._entries) // 5)
+        self._near = None  # places move: it is built anew from what is left
         self._entries = self._entries[gone:]
         self._at = {entry.event.id: index for index, entry in enumerate(self._entries)}
         kept = len(self._entries)
