@@ -26,10 +26,10 @@ class MindSettings(Fact, frozen=True):
     (above 100,000 with the extra ``memory``). ``nearest``: how many validated experiences a decision names as what it rests
     on. ``primary_share``: the share of time in which only critical processes may run, for the robot's own task;
     ``primary_quantum_s`` at a time. ``consult``: in delib mode treatments put typed questions of their own to the reasoner,
-    beside the one that chooses the treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
-    processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
-    crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt. ``overload``: what is given up, in which
-    order, when more comes than can be thought about.
+    beside the one that chooses the treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process
+    may spend, ask, and nest in child processes; one that wants more has failed. ``tries``: an event whose treatment has ended
+    the mind's process so often (it crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt.
+    ``overload``: what is given up, in which order, when more comes than can be thought about.
 
     ``gate`` says when a treatment may be automatic: ``benefit``, where deliberation would do no better; ``threshold``, from
     the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
