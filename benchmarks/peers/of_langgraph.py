@@ -119,7 +119,7 @@ class LangGraph:
     def _start(self, event: Event, treatment: str, label: str) -> None:
         entity, waits = event.entity, event.category == WAITS
         given: State = {"entity": entity, "load": event.load, "waits": waits, "treatment": treatment, "label": label}
-        if not (self._run.cursor and self._goes_on(entity)):
+        if not (self._run.restarted and self._goes_on(entity)):
             self._invoke(entity, given)
         self._labels[entity] = label
         self._run.acknowledge([entity])
@@ -137,7 +137,7 @@ class LangGraph:
         return bool(known.values)
 
     def _resume(self, entity: str, value: float | None) -> None:
-        if self._run.cursor:
+        if self._run.restarted:
             known = self._graph.get_state({"configurable": {"thread_id": entity}})  # type: ignore[attr-defined]
             if not known.interrupts:
                 self._goes_on(entity)

@@ -67,6 +67,7 @@ class Run:
         self.store = store
         self.load = load
         self.times = Times()
+        self.restarted = (store / "acknowledged").exists()
         self.acknowledged, self.cursor = _remembered(store / "acknowledged")
         self._acks = _appending(store / "acknowledged") if load.calls else None
         self._calls = _appending(store / "called") if load.calls else None
