@@ -11,6 +11,7 @@ import pytest
 from wakeful import kernel
 from wakeful.admission.admission import Admission
 from wakeful.admission.overload import Overload
+from wakeful.learning.cells import Cells
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
@@ -43,6 +44,7 @@ CLASSES: dict[str, type] = {
         Learning,
         Episodes,
         Exemplars,
+        Cells,
         Counsel,
         Revision,
         Debts,
@@ -59,6 +61,7 @@ ROOMS = {
     "_learning": Learning,
     "_episodes": Episodes,
     "_exemplars": Exemplars,
+    "_cells": Cells,
     "_counsel": Counsel,
     "_revision": Revision,
     "_debts": Debts,

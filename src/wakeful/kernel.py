@@ -25,7 +25,7 @@ from wakeful.facts.decisions import Decision, Mode
 from wakeful.facts.events import Draft, Event, Observation, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Experience, ModelCard
-from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Mark, Requests, Trained, Training
+from wakeful.facts.inputs import Act, Answer, Begin, Call, End, Input, Instant, Mark, Requests, Trained, Training
 from wakeful.facts.lines import (
     GAP,
     Acted,
@@ -44,10 +44,11 @@ from wakeful.facts.lines import (
     TrainingAsked,
     Witnessed,
 )
-from wakeful.facts.packs import Entry, expanded
+from wakeful.facts.packs import AnyBurst, Covered, Entry, Inquired, Pack, Ran, Validated, Woken
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
-from wakeful.facts.time import Stamp, to_ns, to_s
+from wakeful.facts.time import LARGEST_NS, Stamp, to_ns, to_s
+from wakeful.learning.cells import Cells
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
@@ -56,6 +57,7 @@ from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
+from wakeful.selection.foresight import Seen
 from wakeful.selection.guarantee import guarantee_of
 from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import SelectionSettings, Selector
@@ -63,6 +65,9 @@ from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
 
 _STATE_KEY = "kernel"
+
+#: From so many events at a time on, a batch costs less than one by one.
+MANY = 5
 
 #: Accepted model versions whose weights stay at hand for a rollback; older ones are in the journal, for a rollback at rest.
 KEPT_VERSIONS = 8
@@ -91,6 +96,7 @@ class Kernel:
         options = spec.treatments or registry.names()
         self._now_ns = 0
         self._left: int | None = None
+        self._calm_ns = 0
         self._position = 0
         self._sources = Sources(domain, settings.seed)
         self._events: OrderedDict[str, Event] = OrderedDict()
@@ -98,19 +104,23 @@ class Kernel:
         self._overload = Overload(settings.overload)
         self._guarantee = guarantee_of(settings)
         self._selector = Selector(spec, options, learner, SelectionSettings(), self._guarantee)
-        self._episodes = Episodes(self._selector.encode, settings.episodes)
+        self._episodes = Episodes(self._selector.encode, settings.episodes, encode_many=self._selector.encode_many)
         self._exemplars = Exemplars(self._selector.encode, options, spec.outcome.labels)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
         self._gap_ns = None if spec.outcome.gap_s is None else to_ns(spec.outcome.gap_s)
-        self._learning = Learning(spec, options, learner, self._selector.encode, LearningSettings.under(settings))
+        self._learning = Learning(
+            spec, options, learner, self._selector.encode, LearningSettings.under(settings), self._selector.encode_many
+        )
         self._counsel = Counsel()
         self._weights = b""
         self._versions: dict[int, tuple[ModelCard, bytes]] = {}
+        self._cells = Cells(self._selector.cells)
+        self._foreseen: dict[int, Seen] = {}
         self._debts = Debts(settings.repay_after_s, settings.repay_every_s)
         self._revision = Revision(spec)
-        self._lines: list[Line] = []
+        self._entries: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
         self._calls: list[Call] = []
         self._trainings: list[Training] = []
@@ -126,6 +136,16 @@ class Kernel:
     def runnable(self) -> int:
         """How many processes could use a slot now, or hold one."""
         return self._scheduler.processes.runnable
+
+    @property
+    def steps_left(self) -> int | None:
+        """How many steps may still be done in this feed; None: all that are due."""
+        return self._left
+
+    def spent(self, steps: int) -> None:
+        """So many steps were done within this feed."""
+        if self._left is not None:
+            self._left = max(0, self._left - steps)
 
     @property
     def backlog(self) -> int:
@@ -155,7 +175,7 @@ class Kernel:
         What falls due up to ``now_ns`` (steps, limits, windows) is done first, in order of (time, rank, sequence number).
 
         Args:
-            inputs: in the order of their arrival.
+            inputs: in the order of their arrival; an Instant among them brings the kernel to the time of the next ones.
             now_ns: kernel time; an earlier one than before counts as that.
             steps: do at most so many of the steps and limits that are due, so that a live driver hears of what comes between
                 two awaits of a treatment; the others stay due. None: all of them.
@@ -166,13 +186,26 @@ class Kernel:
         """
         self._left = 0 if hold else steps
         if hold or self._scheduler.held_back:
+            self._calm_ns = 0
             self._scheduler.hold_back(hold)
         self._until(now_ns)
         self._now_ns = max(self._now_ns, now_ns)
+        inputs = list(inputs)
+        self._foresee(inputs)
         for each in inputs:
             self._take(each)
-            self._until(self._now_ns)
+            if self._calm_ns <= self._now_ns:
+                self._until(self._now_ns)
+        self._foreseen.clear()
         return self._requests()
+
+    def _foresee(self, inputs: list[Input]) -> None:
+        """See at once what the model says of all events that come; under which conditions they join others is seen one by one."""
+        drafts = [each for each in inputs if each.__class__ is Draft and each.condition is None]
+        if len(drafts) >= MANY:
+            seen = self._selector.foresee(drafts)
+            if seen is not None:
+                self._foreseen = dict(zip(map(id, drafts), seen, strict=True))
 
     # --- the cycle of Eq. 11 ---
 
@@ -182,6 +215,9 @@ class Kernel:
                 self._encounter(item)
             case Mark(source=source, position=position):
                 self._sources.states[source].cursor = position
+            case Instant(at_ns=at_ns):
+                self._until(at_ns)
+                self._now_ns = max(self._now_ns, at_ns)
             case Draft():
                 self._hear(item.source)
                 self._offer(item)
@@ -256,13 +292,30 @@ class Kernel:
             if objection := self._overload.objection(record.event, load):
                 self.write(self._admission.reject(draft, objection))
                 return
-            self.write(record)
-            self._start(record.event, why=self._overload.sheds(record.event, load))
+            self._covered(record, draft, self._overload.sheds(record.event, load))
         else:
             self.write(record)
 
-    def _start(self, event: Event, reopens: int = 0, why: str = "", mode: Mode | None = None) -> int:
-        decision = self._select(event)
+    def _covered(self, admitted: Admitted, draft: Draft, shed: str) -> None:
+        """Give an admitted event its process: in one go where its decision is automatic."""
+        event = admitted.event
+        seen = self._foreseen.get(id(draft))
+        if seen is None:
+            seen = self._selector.see(event)
+        if seen is not None:
+            nearest = self._nearest(event, seen)
+            choice = self._selector.choose(seen, self._revision.level(seen[0].treatment, nearest), nearest)
+            if choice is not None and not self._contested(event):
+                self._scheduler.cover(event, choice, deadline_ns=self._deadline_ns(event))
+                return
+        self.write(admitted)
+        self._start(event, why=shed, seen=seen)
+
+    def _deadline_ns(self, event: Event) -> int | None:
+        return None if event.deadline_s is None else self._now_ns + to_ns(event.deadline_s)
+
+    def _start(self, event: Event, reopens: int = 0, why: str = "", mode: Mode | None = None, seen: Seen | None = None) -> int:
+        decision = self._select(event, seen)
         if reopens:
             # What was refuted is not done again unthinkingly.
             mode = mode or ("delib" if decision.mode == "auto" else decision.mode)
@@ -270,19 +323,29 @@ class Kernel:
         elif why and decision.mode == "delib":
             # Coverage before deliberation: a provisional treatment now, a better one is owed.
             decision = msgspec.structs.replace(decision, mode="fallback", audit=None, reasons=(why, *decision.reasons))
-        deadline_ns = None if event.deadline_s is None else self._now_ns + to_ns(event.deadline_s)
-        return self._scheduler.create(event, decision, deadline_ns=deadline_ns, reopens=reopens)
+        return self._scheduler.create(event, decision, deadline_ns=self._deadline_ns(event), reopens=reopens)
 
-    def _select(self, event: Event) -> Decision:
+    def _select(self, event: Event, seen: Seen | None = None) -> Decision:
         """Select what treatment, and separately how (Eq. 4)."""
-        nearest = self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
+        seen = self._selector.see(event) if seen is None else seen
+        nearest = self._nearest(event, seen)
         card = self._selector.card
         watermark = card.watermark if card is not None else 0
-        decision = self._selector.decide(event, self._revision.levels(nearest), nearest, watermark)
-        if decision.mode == "auto" and not self._exemplars.contested(self._selector.encode(event)):
+        decision = self._selector.decide(event, self._revision.levels(nearest), nearest, watermark, seen)
+        if decision.mode == "auto" and not self._contested(event):
             return decision
         made = with_memory(decision, self._exemplars.recall(self._selector.encode(event), self._selector.predictor))
         return made if self._guarantee is None else self._guarantee.hold(decision, made)
+
+    def _contested(self, event: Event) -> bool:
+        """Whether an event like it was contradicted, so that memory is asked whatever the model says."""
+        return self._exemplars.any_contested and self._exemplars.contested(self._selector.encode(event))
+
+    def _nearest(self, event: Event, seen: Seen | None) -> tuple[int, ...]:
+        """The experiences that a decision rests on: of the event's cell, where the model has cells, else the likest of all."""
+        if seen is not None and seen[4] >= 0:
+            return self._cells.newest(seen[4], self.settings.nearest)
+        return self._episodes.nearest(self._selector.encode(event), self.settings.nearest)
 
     def _evidence(self, evidence: Evidence) -> None:
         evidence = msgspec.structs.replace(evidence, received_ns=self._now_ns)
@@ -292,16 +355,31 @@ class Kernel:
         else:
             self._scheduler.deliver(evidence)
 
-    def concluded(self, record: Concluded) -> None:
+    def concluded(self, process: int) -> None:
         """A process has its result: it may be judged at once, by an outcome that was there before it."""
-        self._judge(self._validation.concluded(record))
+        self._judge(self._validation.concluded(process))
 
     def _validate(self, outcome: Outcome) -> None:
         """Validate: V(r, y) against the recorded result (Eq. 10)."""
         if self._validation.knows(outcome.id):
             return
-        self.write(Witnessed(outcome=outcome))
-        self._judge(self._validation.match(outcome, self._now_ns))
+        sole = self._validation.sole(outcome, self._now_ns) if self._guarantee is None else None
+        if sole is None:
+            self.write(Witnessed(outcome=outcome))
+            self._judge(self._validation.match(outcome, self._now_ns))
+            return
+        judged, experience = sole
+        self._validated(outcome, judged, experience)
+        trusted, *more = self._revision.weigh(experience) or (None,)
+        if trusted is not None:
+            self._revision.apply(trusted, self._now_ns)
+        burst = Validated(outcome=outcome, judged=judged, experience=experience, trusted=trusted)
+        self._entries.append(Pack(self._position + 1, self._now_ns, burst))
+        self._position += burst.count
+        for each in more:
+            self.write(each)
+        self._reconsider(experience)
+        self._learn()
 
     def _break_off(self, end: End) -> None:
         self.write(self._sources.end(end.source))
@@ -323,6 +401,9 @@ class Kernel:
         """Revise: trust moves; what rested on refuted knowledge and is still open to correction is thought about again."""
         for trusted in self._revision.weigh(experience):
             self.write(trusted)
+        self._reconsider(experience)
+
+    def _reconsider(self, experience: Experience) -> None:
         for drifted in self._revision.drifted(experience.treatment):
             self.write(drifted)
         for stale in self._revision.reopen(experience, limit=self.settings.reopen_limit):
@@ -408,11 +489,23 @@ class Kernel:
             self.note("model not usable", f"{error}; decided by guidelines until the next version")
             return
         self._weights = weights
+        self._cells.use()
 
     # --- time ---
 
+    def stir(self, at_ns: int) -> None:
+        """Something falls due at that instant."""
+        self._calm_ns = min(self._calm_ns, at_ns)
+
     def _until(self, now_ns: int) -> None:
         """Do what falls due up to ``now_ns``, in the order of its instants."""
+        if self._calm_ns > now_ns:
+            return
+        self._do_until(now_ns)
+        instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
+        self._calm_ns = min((each for each in instants if each is not None), default=LARGEST_NS)
+
+    def _do_until(self, now_ns: int) -> None:
         while True:
             due_ns = self._scheduler.next_due_ns()
             closes_ns = self._closes_next_ns()
@@ -441,15 +534,20 @@ class Kernel:
     def write(self, record: AnyRecord) -> None:
         """Record, then apply: the only way in which the kernel's state changes."""
         self._position += 1
-        self._lines.append(Line(self._position, self._now_ns, record))
+        self._entries.append(Line(self._position, self._now_ns, record))
+        self._calm_ns = 0  # what a record of any kind lets fall due is looked for
         self._apply(record)
+
+    def pack(self, burst: AnyBurst) -> None:
+        """The same for what an automatic event writes in one go: one entry for several records."""
+        self._entries.append(Pack(self._position + 1, self._now_ns, burst))
+        self._position += burst.count
+        self._apply_burst(burst)
 
     def _apply(self, record: AnyRecord) -> None:
         now_ns = self._now_ns
         if isinstance(record, Admitted):
-            self._events[record.event.id] = record.event
-            if len(self._events) > self.settings.keep_events:
-                self._events.popitem(last=False)
+            self._remember(record.event)
         if isinstance(record, Admitted | Duplicate | Refused | Compacted):
             self._admission.apply(record)
         self._scheduler.processes.apply(record, now_ns)
@@ -462,13 +560,66 @@ class Kernel:
         self._revision.apply(record, now_ns)
         self._debts.apply(record, now_ns)
 
+    def _apply_burst(self, burst: AnyBurst) -> None:
+        """What its records do, each in the rooms that it concerns: the same state in the end, at a fraction of the cost."""
+        now_ns = self._now_ns
+        match burst:
+            case Covered(event=event):
+                self._remember(event)
+                self._admission.covered(event.id)
+                self._scheduler.processes.covered(burst, now_ns)
+                self._validation.covered(event, burst.process)
+                self._episodes.admit(event)
+                self._exemplars.covered(burst.process, burst.choice)
+                self._revision.covered(burst, now_ns)
+            case Inquired():
+                self._scheduler.processes.inquired(burst, now_ns)
+            case Woken():
+                self._scheduler.processes.woken(burst, now_ns)
+            case Ran():
+                forecast = burst.forecast
+                choice = self._scheduler.processes[burst.process].choice
+                self._scheduler.processes.ran(burst, now_ns)
+                self._validation.ran(burst, forecast, now_ns, choice.cell if choice is not None else -1)
+                if burst.closes_ns is not None:
+                    self.stir(burst.closes_ns)
+                self._episodes.ran(burst, forecast)
+                self._revision.ran(burst, forecast.label if forecast is not None else "", now_ns)
+            case Validated():
+                self._validated(burst.outcome, burst.judged, burst.experience)
+                if burst.trusted is not None:
+                    self._revision.apply(burst.trusted, now_ns)
+        if self._guarantee is not None:
+            for record in burst.records():
+                self._guarantee.apply(record)
+
+    def _remember(self, event: Event) -> None:
+        self._events[event.id] = event
+        if len(self._events) > self.settings.keep_events:
+            self._events.popitem(last=False)
+
+    def _validated(self, outcome: Outcome, judged: Judged, experience: Experience) -> None:
+        """Apply a verdict with its outcome and its experience."""
+        entry = self._validation.forecast(judged.process)
+        self._validation.validated(outcome, judged, experience, self._now_ns)
+        self._gain(experience, entry.cell if entry is not None else -1)
+        self._episodes.validated(judged, experience)
+        self._counsel.apply(judged)
+        self._revision.validated(experience, self._now_ns)
+
+    def _gain(self, experience: Experience, cell: int) -> None:
+        event = self._events.get(experience.event)
+        if event is not None:
+            self._learning.gain(experience, event)
+            self._exemplars.gain(experience, event)
+            self._cells.gain(experience.id, event, cell)
+
     def _learn_from(self, record: AnyRecord) -> None:
-        if not isinstance(record, Gained):
+        if isinstance(record, Gained):
+            self._gain(record.experience, -1)
+        else:
             self._learning.apply(record)
             self._exemplars.apply(record)
-        elif (event := self._events.get(record.experience.event)) is not None:
-            self._learning.apply(record, event)
-            self._exemplars.apply(record, event)
 
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""
@@ -494,13 +645,13 @@ class Kernel:
         instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
         wakes = [due for due in instants if due is not None]
         requests = Requests(
-            lines=tuple(self._lines),
+            lines=tuple(self._entries),
             blobs=self._blobs,
             calls=tuple(self._calls),
             trainings=tuple(self._trainings),
             wake_ns=min(wakes, default=None),
         )
-        self._lines, self._blobs, self._calls, self._trainings = [], {}, [], []
+        self._entries, self._blobs, self._calls, self._trainings = [], {}, [], []
         return requests
 
     def changed(self) -> dict[str, bytes | None]:
@@ -527,9 +678,14 @@ class Kernel:
         card = None
         accepted: dict[int, ModelCard] = {}
         asked: TrainingAsked | None = None
-        for line in expanded(entries):
+        for entry in entries:
+            self._now_ns = entry.at_ns
+            if isinstance(entry, Pack):
+                self._position = entry.last
+                self._apply_burst(entry.burst)
+                continue
+            line = entry
             self._position = line.position
-            self._now_ns = line.at_ns
             self._apply(line.record)
             if isinstance(line.record, Published):
                 asked = None

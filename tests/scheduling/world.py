@@ -14,6 +14,7 @@ from wakeful.facts.events import Condition, Event, Phase
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Answer, Call
 from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Line, Noted
+from wakeful.facts.packs import AnyBurst
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import NS_PER_S, Stamp, to_ns
@@ -101,8 +102,22 @@ class World:
     def counselled(self, decision: Decision, reply: Reply) -> dict[str, float]:
         return decision.prior
 
-    def concluded(self, record: Concluded) -> None:
+    def concluded(self, process: int) -> None:
         pass
+
+    @property
+    def steps_left(self) -> int | None:
+        return None
+
+    def spent(self, steps: int) -> None:
+        pass
+
+    def stir(self, at_ns: int) -> None:
+        pass
+
+    def pack(self, burst: AnyBurst) -> None:
+        for record in burst.records():
+            self.write(record)
 
     def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:
         self.write(Noted(what=what, detail=detail, process=process, event=event))

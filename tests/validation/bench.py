@@ -64,7 +64,7 @@ class Bench:
             closes_ns=kernel_ns(event_s + WITHIN_S),
         )
         self.record(record, at_s)
-        found = self.judge(self.validation.concluded(record), at_s)
+        found = self.judge(self.validation.concluded(record.process), at_s)
         self.record(Moved(process=process, before=State.ACTIVE, trigger=Trigger.RESOLVE, after=State.COMPLETED), at_s)
         return found
 

@@ -7,6 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import msgspec
 
+from wakeful.facts.decisions import Mode
 from wakeful.facts.processes import ProcessView
 
 
@@ -48,3 +49,11 @@ class LearningPolicy(Policy, Protocol):
 
     def completed(self, view: ProcessView, now_ns: int) -> None:
         """The process was resolved: its last view, with all its steps. ``gone`` follows."""
+
+
+@runtime_checkable
+class ConservingPolicy(Policy, Protocol):
+    """A policy that leaves no slot empty while a process is ready. Where only one is, it need not be asked."""
+
+    def ran_through(self, treatment: str, mode: Mode, kind: str, steps: int, now_ns: int) -> None:
+        """Such a process came, ran its steps and was resolved, all at this instant; of it nothing else is told."""

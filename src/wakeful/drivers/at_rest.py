@@ -13,7 +13,8 @@ from wakeful.facts.decisions import Decision
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.inputs import Act, Call
-from wakeful.facts.lines import Acted, Admitted, AnyRecord, Concluded, Created, Decided, Line, Noted, Reopened
+from wakeful.facts.lines import Acted, Admitted, AnyRecord, Created, Decided, Line, Noted, Reopened
+from wakeful.facts.packs import AnyBurst
 from wakeful.facts.settings import MindSettings
 from wakeful.scheduling import Scheduler, SuspendResume
 from wakeful.scheduling.evidence import EvidenceShelf
@@ -54,6 +55,20 @@ class _AtRest:
             self._decided[record.process] = record.decision
         self.scheduler.processes.apply(record, self.now_ns)
 
+    @property
+    def steps_left(self) -> int | None:
+        return 0
+
+    def spent(self, steps: int) -> None:
+        """No step is done at rest."""
+
+    def stir(self, at_ns: int) -> None:
+        """Nothing falls due at rest."""
+
+    def pack(self, burst: AnyBurst) -> None:
+        for record in burst.records():
+            self.write(record)
+
     def event(self, identity: str) -> Event:
         return self._events[identity]
 
@@ -63,7 +78,7 @@ class _AtRest:
     def call(self, call: Call) -> None:
         """Calls that are under way are made again when the mind starts, as after any crash."""
 
-    def concluded(self, record: Concluded) -> None:
+    def concluded(self, process: int) -> None:
         """Nothing concludes at rest."""
 
     def closed_to(self, act: Act) -> str:

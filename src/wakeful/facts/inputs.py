@@ -58,6 +58,12 @@ class Mark(Fact, frozen=True):
     position: int
 
 
+class Instant(msgspec.Struct, frozen=True, gc=False):
+    """Kernel time goes on to ``at_ns``: what falls due by then is done first. So what came one after the other is fed together."""
+
+    at_ns: int
+
+
 class Act(Fact, frozen=True):
     """An operator's act: ``hold``, ``release``, ``cancel``, ``reopen`` of a process, or ``rollback`` to a model version.
 
@@ -75,7 +81,7 @@ class Act(Fact, frozen=True):
     """With ``rollback``: the model version to decide with from then on."""
 
 
-Input: TypeAlias = Begin | End | Mark | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
+Input: TypeAlias = Begin | End | Mark | Instant | Observation | Undecodable | Draft | Evidence | Outcome | Answer | Trained | Act
 
 Outside: TypeAlias = Callable[[], "Awaitable[object] | object"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import msgspec
@@ -12,15 +12,22 @@ import numpy.typing as npt
 from wakeful.contracts.learner import Vector
 from wakeful.facts.asking import Episode, Query
 from wakeful.facts.events import Event
-from wakeful.facts.experience import Verdict
+from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Created, Gained, Imported, Judged
+from wakeful.facts.packs import Ran
+from wakeful.facts.results import Forecast
+from wakeful.facts.values import NOTHING, Raw
 from wakeful.learning.approximate import EXACT, LOOKED_AT, Approximate, installed
 
 Encode = Callable[[Event], Vector]
+EncodeMany = Callable[[Sequence[Event]], Vector]
 
 _DIGITS: Final = 6
 _FIRST_ROWS: Final = 64
-_COLUMNS: Final = ("_norms", "_experienced", "_concluded", "_entities", "_kinds")
+_COLUMNS: Final = ("_norms", "_entities", "_kinds")
+
+#: Features are written for so many events at a time, or when they are asked for.
+TOGETHER: Final = 256
 
 
 class _Said(msgspec.Struct):
@@ -31,7 +38,7 @@ class _Entry(msgspec.Struct, kw_only=True):
     event: Event
     order: int
     treatment: str = ""
-    says: str = ""
+    result: Raw = NOTHING
     predicted: str = ""
     outcome: str = ""
     verdict: str = ""
@@ -47,22 +54,23 @@ class Episodes:
     candidates come from an approximate index; what it finds is measured and ordered as before.
     """
 
-    def __init__(self, encode: Encode, limit: int = 20_000, exact: int = EXACT) -> None:
+    def __init__(self, encode: Encode, limit: int = 20_000, exact: int = EXACT, encode_many: EncodeMany | None = None) -> None:
         self.limit = limit
         self._exact = exact
         self._near: Approximate | None = None
-        self._encode = encode
+        self._encode_many = encode_many or (lambda events: np.array([encode(event) for event in events]))
+        self._waiting: list[Event] = []
         self._entries: list[_Entry] = []
         self._at: dict[str, int] = {}
         self._children: set[int] = set()
         self._rows: npt.NDArray[np.float32] = np.zeros((0, 0), dtype=np.float32)
         self._norms: npt.NDArray[np.float32] = np.zeros(0, dtype=np.float32)
-        self._experienced: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._concluded: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._code: dict[str, int] = {}
+        self._experienced = bytearray()
+        self._concluded = bytearray()
         self._entities: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._kinds: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._admitted = 0
+        self._forgotten = 0
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -73,7 +81,7 @@ class Episodes:
         An event's conclusion is that of its own processes, not of their children.
         """
         if isinstance(record, Admitted):
-            self._admit(record.event)
+            self.admit(record.event)
         elif isinstance(record, Created):
             if record.parent:
                 self._children.add(record.process)
@@ -87,7 +95,7 @@ class Episodes:
             entry = self._entry(record.experience.event)
             if entry is not None:
                 entry.experience = record.experience.id
-                self._experienced[self._at[record.experience.event]] = True
+                self._experienced[self._place_of(record.experience.event)] = 1
         elif isinstance(record, Imported):
             self._import(record)
 
@@ -97,13 +105,14 @@ class Episodes:
         Likeness is 1 / (1 + distance of the features); 1 for all where the query names no remembered event, so that these
         come newest first. What lies after ``now_ns`` is not there yet.
         """
-        wanted = self._concluded[: len(self._entries)].copy()
-        own = self._at.get(query.event)
+        self._write()
+        wanted = _flags(self._concluded)
+        own = self._place_of(query.event) if query.event in self._at else None
         if own is not None:
             wanted[own] = False
         for name, codes in ((query.entity, self._entities), (query.kind, self._kinds)):
             if name:
-                wanted &= codes[: len(self._entries)] == self._code.get(name, -1)
+                wanted &= codes[: len(self._entries)] == hash(name)
         for index in range(len(self._entries) - 1, -1, -1):
             if self._entries[index].event.stamp.received_ns <= now_ns:
                 break
@@ -116,7 +125,8 @@ class Episodes:
 
     def nearest(self, features: Vector, k: int) -> tuple[int, ...]:
         """Ids of the k experiences whose events are likest to these features, shape (d,), the likest first."""
-        found = self._nearest(features, self._experienced[: len(self._entries)], k)
+        self._write()
+        found = self._nearest(features, _flags(self._experienced), k)
         return tuple(self._entries[index].experience for index, _ in found)
 
     def _nearest(self, features: Vector, wanted: npt.NDArray[np.bool_], limit: int) -> list[tuple[int, float]]:
@@ -147,7 +157,7 @@ class Episodes:
         found = found[wanted[found]]
         return found if len(found) >= limit else None
 
-    def _index(self, place: int) -> None:
+    def _keep_index(self, place: int) -> None:
         """Keep the index up with the rows, once there are too many for an exact search."""
         if self._near is None:
             if place < self._exact or not installed():
@@ -156,37 +166,51 @@ class Episodes:
         for missing in range(len(self._near), place + 1):
             self._near.add(missing, self._rows[missing])
 
-    def _admit(self, event: Event) -> None:
+    def admit(self, event: Event) -> None:
+        """Take up an admitted event, as ``apply`` does. Its features are written when they are needed, many at once."""
         if event.id in self._at:
             return
         if len(self._entries) >= self.limit:
             self._forget()
-        features = self._encode(event).astype(np.float32)
-        index = len(self._entries)
-        if index >= len(self._norms):
-            self._grow(len(features))
-        self._rows[index] = features
-        self._norms[index] = features @ features
-        self._experienced[index] = self._concluded[index] = False
-        self._entities[index], self._kinds[index] = self._coded(event.entity), self._coded(event.kind)
-        self._at[event.id] = index
+        self._waiting.append(event)
+        self._at[event.id] = self._admitted
         self._admitted += 1
         self._entries.append(_Entry(event=event, order=self._admitted))
-        self._index(index)
+        self._experienced.append(0)
+        self._concluded.append(0)
+        if len(self._waiting) >= TOGETHER:
+            self._write()
+
+    def _write(self) -> None:
+        """Write the features of those that were admitted since the last time."""
+        waiting, self._waiting = self._waiting, []
+        if not waiting:
+            return
+        features = self._encode_many(waiting).astype(np.float32)
+        start = len(self._entries) - len(waiting)
+        self._make_room(len(self._entries), features.shape[1])
+        place = slice(start, len(self._entries))
+        self._rows[place] = features
+        self._norms[place] = np.einsum("ij,ij->i", features, features)
+        # Python's own hashes: they are compared within this process alone, and never recorded.
+        self._entities[place] = [hash(event.entity) for event in waiting]
+        self._kinds[place] = [hash(event.kind) for event in waiting]
+        self._keep_index(len(self._entries) - 1)
 
     def _import(self, record: Imported) -> None:
         """Another robot's event is remembered with what came of it; an event that is remembered already stays as it is."""
         if record.event.id in self._at:
             return
-        self._admit(record.event)
+        self.admit(record.event)
         entry, gained = self._entries[-1], record.experience
         # Another robot's "box 1" is not this one's.
         whose = record.event.robot or gained.robot or record.origin
         entry.event = msgspec.structs.replace(record.event, entity=f"{whose}:{record.event.entity}")
-        self._entities[len(self._entries) - 1] = self._coded(entry.event.entity)
+        self._write()
+        self._entities[len(self._entries) - 1] = hash(entry.event.entity)
         entry.treatment, entry.predicted, entry.outcome = gained.treatment, gained.predicted, gained.outcome
         entry.verdict, entry.experience = gained.verdict.value, gained.id
-        self._experienced[len(self._entries) - 1] = self._concluded[len(self._entries) - 1] = True
+        self._experienced[-1] = self._concluded[-1] = 1
 
     def _conclude(self, record: Concluded) -> None:
         if record.process in self._children:
@@ -195,14 +219,32 @@ class Episodes:
         entry = self._entry(record.event)
         if entry is None:
             return
-        entry.treatment = record.treatment
-        entry.says = msgspec.json.decode(record.result, type=_Said).says
+        entry.treatment, entry.result = record.treatment, record.result
         entry.predicted = record.forecast.label if record.forecast is not None else ""
-        self._concluded[self._at[record.event]] = True
+        self._concluded[self._place_of(record.event)] = 1
+
+    def ran(self, burst: Ran, forecast: Forecast | None) -> None:
+        """Take up what a process without a parent has concluded, as ``apply`` of its lines does."""
+        entry = self._entry(burst.event)
+        if entry is not None:
+            entry.treatment, entry.result = burst.treatment, burst.result
+            entry.predicted = forecast.label if forecast is not None else ""
+            self._concluded[self._place_of(burst.event)] = 1
+
+    def validated(self, judged: Judged, experience: Experience) -> None:
+        """Take up a verdict and its experience, as ``apply`` of their lines does."""
+        entry = self._entry(judged.event)
+        if entry is not None:
+            entry.predicted, entry.outcome, entry.verdict = judged.predicted, judged.label, judged.verdict.value
+            entry.experience = experience.id
+            self._experienced[self._place_of(judged.event)] = 1
 
     def _entry(self, event: str) -> _Entry | None:
         at = self._at.get(event)
-        return None if at is None else self._entries[at]
+        return None if at is None else self._entries[at - self._forgotten]
+
+    def _place_of(self, event: str) -> int:
+        return self._at[event] - self._forgotten
 
     def _episode(self, index: int, likeness: float) -> Episode:
         entry = self._entries[index]
@@ -214,7 +256,7 @@ class Episodes:
             at_ns=entry.event.stamp.source_ns,
             likeness=likeness,
             treatment=entry.treatment,
-            says=entry.says,
+            says=_SAID.decode(entry.result).says if entry.result is not NOTHING else "",
             predicted=entry.predicted,
             outcome=entry.outcome,
             verdict=entry.verdict,
@@ -222,28 +264,35 @@ class Episodes:
             fields=entry.event.fields,
         )
 
-    def _grow(self, width: int) -> None:
-        rows = max(_FIRST_ROWS, 2 * len(self._norms))
-        count = len(self._entries)
+    def _make_room(self, count: int, width: int) -> None:
+        if count <= len(self._norms):
+            return
+        rows = max(_FIRST_ROWS, 2 * len(self._norms), count)
+        before = len(self._norms)
         larger = np.zeros((rows, width), dtype=np.float32)
-        if count:
-            larger[:count] = self._rows[:count]
+        if before:
+            larger[:before] = self._rows
         self._rows = larger
         for name in _COLUMNS:
-            setattr(self, name, np.concatenate([getattr(self, name), np.zeros(rows - count, dtype=getattr(self, name).dtype)]))
-
-    def _coded(self, name: str) -> int:
-        return self._code.setdefault(name, len(self._code))
+            setattr(self, name, np.concatenate([getattr(self, name), np.zeros(rows - before, dtype=getattr(self, name).dtype)]))
 
     def _forget(self) -> None:
+        self._write()
         gone = max(1, len(self._entries) // 5)
         self._near = None  # places move: it is built anew from what is left
-        self._entries = self._entries[gone:]
-        self._at = {entry.event.id: index for index, entry in enumerate(self._entries)}
+        for entry in self._entries[:gone]:
+            del self._at[entry.event.id]
+        del self._entries[:gone], self._experienced[:gone], self._concluded[:gone]
+        self._forgotten += gone
         kept = len(self._entries)
         for name in ("_rows", *_COLUMNS):
             array = getattr(self, name)
             array[:kept] = array[gone : gone + kept].copy()
-        self._code = {}
-        for index, entry in enumerate(self._entries):
-            self._entities[index], self._kinds[index] = self._coded(entry.event.entity), self._coded(entry.event.kind)
+
+
+_SAID = msgspec.json.Decoder(_Said)
+
+
+def _flags(values: bytearray) -> npt.NDArray[np.bool_]:
+    """The values as flags of their own, which later changes don't touch."""
+    return np.array(values, dtype=np.bool_)

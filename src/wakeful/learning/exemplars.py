@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wakeful.contracts.learner import Predictor, Vector
+from wakeful.facts.choices import Choice
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import AnyRecord, Decided, Gained
@@ -120,6 +121,31 @@ class Exemplars:
             confirmed=any(told.treatment == right and told.label in (-1, int(labels.argmax())) for told in exemplar.told),
         )
 
+    @property
+    def any_contested(self) -> bool:
+        """Whether anything that is remembered was contradicted."""
+        return bool(self._contested)
+
+    def covered(self, process: int, choice: Choice) -> None:
+        """Take up an automatic decision by a model, as ``apply`` of its Decided does."""
+        labels = choice.basis.labels
+        if labels == self.labels:
+            prior = choice.prior
+        else:
+            named = dict(zip(labels, choice.prior, strict=True))
+            prior = tuple(named.get(name, 0.0) for name in self.labels)
+        self._decided[process] = (0, prior)
+        if len(self._decided) > _PENDING:
+            self._decided.popitem(last=False)
+
+    def gain(self, experience: Experience, event: Event) -> None:
+        """Take up an experience, as ``apply`` of its Gained does."""
+        recalled, prior = self._decided.get(experience.process, (0, ()))
+        if not recalled and prior and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED:
+            self._known(experience, prior)
+        else:
+            self.learn(experience, self._encode(event), recalled, prior)
+
     def contested(self, features: Vector) -> bool:
         """Whether an event of the same categories was contradicted: then memory is to be asked whatever the model says."""
         return bool(self._contested) and self._pattern(features) in self._contested
@@ -136,8 +162,7 @@ class Exemplars:
             if len(self._decided) > _PENDING:
                 self._decided.popitem(last=False)
         elif isinstance(record, Gained) and event is not None:
-            recalled, prior = self._decided.get(record.experience.process, (0, ()))
-            self.learn(record.experience, self._encode(event), recalled, prior)
+            self.gain(record.experience, event)
 
     def learn(self, experience: Experience, features: Vector, recalled: int = 0, prior: tuple[float, ...] = ()) -> None:
         """One validated experience.
@@ -154,8 +179,7 @@ class Exemplars:
         if treatment < 0 and label < 0:
             return
         if not recalled and prior and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED:
-            # The model knew it: nothing to remember, but that much about how reliable validations are.
-            self.label_repeats.foretold(min(max(prior[label], 1.0 - AT_MOST), AT_MOST), len(self.labels))
+            self._known(experience, prior)
             return
         told = _Told(experience.id, experience.process, treatment, label, prior)
         self._see(features)
@@ -176,6 +200,13 @@ class Exemplars:
             exemplar.features, exemplar.estimate = features.copy(), None
         self._exemplars.move_to_end(exemplar.id)
         del exemplar.told[:-_TOLD]
+
+    def _known(self, experience: Experience, prior: tuple[float, ...]) -> None:
+        """The model knew it: nothing to remember, but that much about how reliable validations are."""
+        self._now = max(self._now, experience.id)
+        label = self._label_at.get(experience.outcome, -1)
+        if label >= 0:
+            self.label_repeats.foretold(min(max(prior[label], 1.0 - AT_MOST), AT_MOST), len(self.labels))
 
     def _teach(self, exemplar: _Exemplar, told: _Told, treatments: Repeatability, labels: Repeatability) -> None:
         if told.treatment >= 0:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 import numpy as np
@@ -18,6 +18,9 @@ from wakeful.facts.time import to_ns
 from wakeful.learning.replay import Row, Sides, refuted, replay
 
 Encode = Callable[[Event], Vector]
+EncodeMany = Callable[[Sequence[Event]], Iterable[Vector]]
+
+_UNMADE: Vector = np.zeros(0)
 
 
 class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -66,6 +69,7 @@ class Learning:
         learner: trains the jobs, off the kernel's thread.
         encode: the selector's encoder, so that learning sees what selection sees.
         settings: when and on how much.
+        encode_many: the same encoder for many events at once, where there is one.
     """
 
     def __init__(
@@ -75,12 +79,13 @@ class Learning:
         learner: Learner,
         encode: Encode,
         settings: LearningSettings | None = None,
+        encode_many: EncodeMany | None = None,
     ) -> None:
         self.learner = learner
         self.treatments = treatments
         self.labels = spec.outcome.labels
         self.settings = settings or LearningSettings()
-        self._encode = encode
+        self._encode_many = encode_many or (lambda events: [encode(event) for event in events])
         self._treatment_at = {name: index for index, name in enumerate(treatments)}
         self._label_at = {name: index for index, name in enumerate(self.labels)}
         self._rows: dict[int, Row] = {}
@@ -108,7 +113,7 @@ class Learning:
     @property
     def rows(self) -> tuple[Row, ...]:
         """The learning material, in the order of its ids."""
-        return tuple(self._rows.values())
+        return tuple(self._made(list(self._rows.values())))
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
         """Take up a record; all but Gained, Imported, TrainingAsked, Published, Drifted and a rollback are passed over.
@@ -123,10 +128,10 @@ class Learning:
         if isinstance(record, Gained):
             if event is None or event.id != record.experience.event:
                 raise ValueError(f"experience {record.experience.id} needs its event {record.experience.event}")
-            self._gain(record.experience, event)
+            self.gain(record.experience, event)
         elif isinstance(record, Imported):
             # It is no process of this journal: its row has a place of its own.
-            self._gain(msgspec.structs.replace(record.experience, process=-record.experience.id), record.event)
+            self.gain(msgspec.structs.replace(record.experience, process=-record.experience.id), record.event)
         elif isinstance(record, TrainingAsked):
             self._pending = record
             self._frozen = tuple(self._chosen(record.watermark))
@@ -193,7 +198,8 @@ class Learning:
             right=np.array([row.right for row in rows], dtype=np.bool_) if self.settings.benefit else None,
         )
 
-    def _gain(self, experience: Experience, event: Event) -> None:
+    def gain(self, experience: Experience, event: Event) -> None:
+        """Take up an experience, as ``apply`` of its Gained does."""
         contradicted = experience.verdict is Verdict.CONTRADICTED
         label = self._treatment_at.get(experience.treatment_label, -1)
         result = -1 if experience.verdict is Verdict.UNDECIDED else self._label_at.get(experience.outcome, -1)
@@ -210,13 +216,14 @@ class Learning:
             id=experience.id,
             event=event.id,
             process=experience.process,
-            features=self._encode(event),
+            features=_UNMADE,
             label=label,
             applied=applied,
             result=result,
             contradicted=contradicted,
             weight=experience.weight * (self.settings.corrective_weight if contradicted else 1.0),
             held_back=held_back,
+            source=event,
         )
         self._decided += 1
         automatic = contradicted and experience.mode == "auto"
@@ -225,7 +232,7 @@ class Learning:
             self._forget()
 
     def _forget(self) -> None:
-        kept = replay(self.rows, self.settings.remembered)
+        kept = replay(tuple(self._rows.values()), self.settings.remembered)
         self._rows = {row.process: row for row in kept}
         events = {row.event for row in kept}
         self._side_of = {event: side for event, side in self._side_of.items() if event in events}
@@ -235,4 +242,12 @@ class Learning:
         share = self.settings.held_back
         kept = replay([row for row in known if row.held_back], round(self.settings.replay * share / (1.0 - share)))
         learned = replay([row for row in known if not row.held_back], self.settings.replay)
-        return sorted([*learned, *kept], key=lambda row: row.id)
+        return self._made(sorted([*learned, *kept], key=lambda row: row.id))
+
+    def _made(self, rows: list[Row]) -> list[Row]:
+        """The rows with their features: made when a training wants them, many at once, and once only."""
+        unmade = {row.process: row.source for row in rows if row.source is not None}
+        if unmade:
+            for process, features in zip(unmade, self._encode_many(list(unmade.values())), strict=True):
+                self._rows[process] = msgspec.structs.replace(self._rows[process], features=features, source=None)
+        return [self._rows[row.process] for row in rows]

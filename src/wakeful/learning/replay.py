@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wakeful.contracts.learner import Vector
+from wakeful.facts.events import Event
 
 LIKE_EVENTS = 8
 """Among how many of the likest experiences a better treatment is looked for."""
@@ -30,6 +31,8 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     contradicted: bool
     weight: float
     held_back: bool
+    source: Event | None = None
+    """Its event, while ``features`` are still to be made of it; they are empty then."""
 
     @property
     def right(self) -> bool:

@@ -21,6 +21,7 @@ from wakeful.facts.lines import (
     Reopened,
     Trusted,
 )
+from wakeful.facts.packs import Covered, Ran
 from wakeful.facts.processes import State
 from wakeful.revision.drift import Drift
 from wakeful.revision.reliability import Reliability
@@ -226,6 +227,39 @@ class Revision:
             case Published(card=card) if card.accepted:
                 self._doubts = {id_: doubt for id_, doubt in self._doubts.items() if doubt[1] > card.watermark}
                 self._contradicted = {name: id_ for name, id_ in self._contradicted.items() if id_ > card.watermark}
+
+    def level(self, treatment: str, rests_on: Sequence[int]) -> float:
+        """``levels(rests_on)`` of one treatment; 1 where it is not named there."""
+        if treatment not in self._trust and treatment not in self._treatments:
+            return 1.0
+        doubt = self.doubt(rests_on) if self._doubts else 1.0
+        return round(self.trust(treatment) * doubt, _DIGITS)
+
+    def covered(self, burst: Covered, now_ns: int) -> None:
+        """Take up an automatic decision: what ``apply`` does with its lines."""
+        self._standing.let_close(now_ns)
+        choice, event = burst.choice, burst.event
+        self._standing.decide(
+            Made(
+                process=burst.process,
+                event=event.id,
+                treatment=choice.basis.treatment,
+                mode="auto",
+                rests_on=choice.rests_on,
+                criticality=event.criticality,
+            )
+        )
+
+    def ran(self, burst: Ran, label: str, now_ns: int) -> None:
+        """Take up a result, with the label that it forecast: what ``apply`` does with its lines."""
+        self._standing.let_close(now_ns)
+        self._standing.conclude(burst.process, burst.mode, label, burst.closes_ns)
+
+    def validated(self, experience: Experience, now_ns: int) -> None:
+        """Take up a verdict's experience: what ``apply`` does with the lines but for that of trust."""
+        self._standing.let_close(now_ns)
+        self._standing.settle(experience.process)
+        self._gain(experience)
 
     def _on_probation(self, treatment: str, experience: int, version: int) -> list[Trusted]:
         after = min(self.settings.probation, self._track.share(treatment))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import enum
 import heapq
-
-import msgspec
+from collections.abc import Callable
+from typing import NamedTuple
 
 from wakeful.facts.lines import Asked
 from wakeful.facts.processes import State
@@ -21,7 +21,7 @@ class Rank(enum.IntEnum):
     TICK = 2
 
 
-class Due(msgspec.Struct, frozen=True, order=True):
+class Due(NamedTuple):
     """One entry; ``process`` and ``seq`` are 0 where they say nothing."""
 
     at_ns: int
@@ -36,58 +36,65 @@ class Agenda:
     Args:
         processes: by whose state an entry holds or not.
         step_ns: kernel time that one step takes.
+        stir: told of each instant that is entered, so that nobody has to look while none is due.
     """
 
-    def __init__(self, processes: ProcessSet, step_ns: int) -> None:
+    def __init__(self, processes: ProcessSet, step_ns: int, stir: Callable[[int], None]) -> None:
         self._processes = processes
         self._step_ns = step_ns
-        self._heap: list[Due] = []
+        self._stir = stir
+        self._heap: list[tuple[int, int, int, int]] = []
         self._tick_ns: int | None = None
 
     def begin_step(self, process: Process) -> None:
         """The holder of a slot begins its next step, unless it is within one."""
         if not process.stepping:
             process.stepping = True
-            heapq.heappush(self._heap, Due(self._step_ends_ns(process), Rank.STEP, process.id))
+            self._enter(self._step_ends_ns(process), Rank.STEP, process.id)
 
     def limit(self, pending: Asked) -> None:
         """Let the request's limit pass when it comes; nothing where it has none."""
         if pending.expires_ns is not None:
-            heapq.heappush(self._heap, Due(pending.expires_ns, Rank.LIMIT, pending.process, pending.seq))
+            self._enter(pending.expires_ns, Rank.LIMIT, pending.process, pending.seq)
 
     def settle_at(self, at_ns: int) -> None:
         """Settle at that instant whatever else falls due, unless that is to be done sooner anyway."""
         if self._tick_ns is None or at_ns < self._tick_ns:
             self._tick_ns = at_ns
-            heapq.heappush(self._heap, Due(at_ns, Rank.TICK))
+            self._enter(at_ns, Rank.TICK)
 
     def next_ns(self) -> int | None:
         """When the next entry that holds is due."""
-        while self._heap:
-            if self._holds(self._heap[0]):
-                return self._heap[0].at_ns
-            heapq.heappop(self._heap)
+        heap = self._heap
+        while heap:
+            if self._holds(heap[0]):
+                return heap[0][0]
+            heapq.heappop(heap)
         return None
 
     def take(self) -> Due | None:
         """Take the first entry off; None where it no longer holds."""
-        due = heapq.heappop(self._heap)
-        if not self._holds(due):
+        entry = heapq.heappop(self._heap)
+        if not self._holds(entry):
             return None
-        if due.rank is Rank.TICK:
+        if entry[1] == Rank.TICK:
             self._tick_ns = None
-        return due
+        return Due(entry[0], Rank(entry[1]), entry[2], entry[3])
 
-    def _holds(self, due: Due) -> bool:
-        if due.rank is Rank.TICK:
-            return self._tick_ns == due.at_ns
-        process = self._processes.get(due.process)
+    def _enter(self, at_ns: int, rank: int, process: int = 0, seq: int = 0) -> None:
+        heapq.heappush(self._heap, (at_ns, int(rank), process, seq))
+        self._stir(at_ns)
+
+    def _holds(self, entry: tuple[int, int, int, int]) -> bool:
+        at_ns, rank, number, seq = entry
+        if rank == Rank.TICK:
+            return self._tick_ns == at_ns
+        process = self._processes.get(number)
         if process is None:
             return False
-        if due.rank is Rank.STEP:
-            return process.stepping and self._step_ends_ns(process) == due.at_ns
-        pending = process.pending
-        return process.state is State.WAITING and pending is not None and pending.seq == due.seq
+        if rank == Rank.STEP:
+            return process.stepping and self._step_ends_ns(process) == at_ns
+        return process.state is State.WAITING and process.awaits(seq)
 
     def _step_ends_ns(self, process: Process) -> int:
         return process.active_since_ns + (process.ran + 1) * self._step_ns

@@ -10,7 +10,8 @@ from wakeful.facts.asking import Kind, Reply
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Answer, Call
 from wakeful.facts.lines import Answered, Asked, Decided
-from wakeful.facts.processes import Trigger
+from wakeful.facts.packs import Woken
+from wakeful.facts.processes import State, Trigger
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import NOTHING, Raw
 from wakeful.scheduling.agenda import Agenda
@@ -52,7 +53,7 @@ class Asking:
         pending = process.pending
         fresh = pending is None
         if pending is None:
-            pending = self._asked(process, want)
+            pending = self.asked(process, want)
             self._host.write(pending)
             known = recorded_before(process, pending) if process.base_seq else None
             if known is not None and readable(want, known):
@@ -71,7 +72,8 @@ class Asking:
             self.call(process, want, pending)
         return None
 
-    def _asked(self, process: Process, want: Want) -> Asked:
+    def asked(self, process: Process, want: Want) -> Asked:
+        """The record of a request."""
         return Asked(
             process=process.id,
             seq=process.next_seq,
@@ -137,10 +139,11 @@ class Asking:
             self._host.write(Decided(process=process.id, event=process.event.id, decision=decision))
         return True
 
-    def deliver(self, evidence: Evidence) -> bool:
-        """Keep the evidence, and wake whoever has now all that it asked for. False: it was there already."""
+    def deliver(self, evidence: Evidence) -> list[Process]:
+        """Keep the evidence, and wake whoever has now all that it asked for; nobody where it was there already."""
+        woken: list[Process] = []
         if not self._shelf.put(evidence):
-            return False
+            return woken
         topic_key = f"{evidence.topic}\x1f{evidence.key}"
         for process in self._processes.expecting(topic_key):
             pending = process.pending
@@ -148,17 +151,22 @@ class Asking:
                 came = self._arrived(process, pending)
                 if len(came) >= pending.count:
                     self.answered(process, pending, encoded(came[-pending.count :]), "")
-        return True
+                    woken.append(process)
+        return woken
+
+    def has_come(self, process: Process, asked: Asked) -> bool:
+        """Whether all the evidence that a request is for is there already."""
+        return self._shelf.holds(asked.key) and len(self._arrived(process, asked)) >= asked.count
 
     def _arrived(self, process: Process, pending: Asked) -> tuple[Evidence, ...]:
         taken = process.taken.get(pending.key, ())
         return tuple(each for each in self._shelf.of(pending.key, process.asked_ns) if each.id not in taken)
 
-    def limit_passed(self, process: Process) -> None:
-        """Wake the process with what there is: the evidence that came, or the word that nothing did."""
+    def limit_passed(self, process: Process) -> bool:
+        """Wake the process with what there is: the evidence that came, or the word that nothing did. False: it did not wait."""
         pending = process.pending
         if pending is None:
-            return
+            return False
         if pending.kind is Kind.SLEEP:
             self.answered(process, pending, NOTHING, "")
         elif pending.kind is Kind.EVIDENCE:
@@ -167,6 +175,7 @@ class Asking:
         else:
             calls = int(self._processes.reasoner_calls.is_under_way(process.id))  # it was made, and is paid for
             self.answered(process, pending, NOTHING, EXPIRED, calls=calls, trigger=Trigger.EXPIRE)
+        return True
 
     def tell_parent(self, process: Process, value: Raw, error: str = "") -> None:
         """Answer the parent that waits for this child's result."""
@@ -187,19 +196,22 @@ class Asking:
         trigger: Trigger = Trigger.WAKE,
     ) -> None:
         """Record the answer to ``pending``, and wake who waited for it."""
-        self._host.write(
-            Answered(
-                process=process.id,
-                seq=pending.seq,
-                kind=pending.kind,
-                key=pending.key,
-                value=value,
-                error=error,
-                cost_usd=cost_usd,
-                calls=calls,
-            )
+        answered = Answered(
+            process=process.id,
+            seq=pending.seq,
+            kind=pending.kind,
+            key=pending.key,
+            value=value,
+            error=error,
+            cost_usd=cost_usd,
+            calls=calls,
         )
-        self._host.write(process.moved(trigger, by=pending.key.replace("\x1f", " ")))
+        by = pending.key.replace("\x1f", " ")
+        if pending.kind is Kind.EVIDENCE and process.state is State.WAITING:
+            self._host.pack(Woken(answered=answered, trigger=trigger, steps=process.steps, by=by))
+        else:
+            self._host.write(answered)
+            self._host.write(process.moved(trigger, by=by))
 
 
 def _reply(process: Process, pending: Asked, answer: Answer) -> tuple[Reply | None, str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine
+from inspect import iscoroutine
 
 import msgspec
 
 from wakeful.contracts.treatment import Refusal, Treatment
 from wakeful.facts.asking import Episode, Kind, Reply
+from wakeful.facts.choices import Choice
 from wakeful.facts.crashes import MARKED, Page, mark
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.evidence import Evidence
@@ -69,11 +71,9 @@ class Coroutines:
         first = process.first_of_attempt
         if first is None:
             raise Mismatch("the process has no decision")
-        mind = KernelMind(
-            first.mode, first, lambda: process.decision or first, self._spec, lambda: process.heard_ns, self._consults
-        )
+        mind = process.mind = KernelMind(first.mode, first, self._spec, process.arrived_ns, self._consults)
+        mind.current = process.decision
         chosen = process.parent != 0
-        process.heard_ns = process.arrived_ns
         process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)
         budget = steps - process.base_steps
         recorded = [asked for asked in process.asked if asked.seq > process.base_seq]
@@ -101,6 +101,21 @@ class Coroutines:
             want.left -= budget
         return want
 
+    def begin(self, process: Process, choice: Choice) -> bool:
+        """Make the coroutine of an automatic process that has not run yet; False where its treatment is not to be had."""
+        try:
+            treatment = self._treatment(choice.basis.treatment)
+            mind = KernelMind("auto", choice, self._spec, process.arrived_ns, self._consults)
+            coroutine = treatment.treat(process.event, mind)
+        except (
+            Exception
+        ):  # whatever the registry, or a treatment that is no coroutine function, raises: found again by ``rebuild``
+            return False
+        if not iscoroutine(coroutine):
+            return False
+        process.mind, process.coroutine = mind, coroutine
+        return True
+
     def send(self, process: Process, value: object) -> Step:
         """Resume the coroutine with ``value``, up to its next want or its result.
 
@@ -112,7 +127,8 @@ class Coroutines:
     def answer(self, process: Process, want: Want, answered: Answered) -> Step:
         """Resume the coroutine with a recorded answer to ``want``. Raises Failure as ``send`` does."""
         coroutine = _warm(process)
-        process.heard_ns = process.answered_ns[answered.seq]
+        if process.mind is not None:
+            process.mind.heard_ns = process.answered_ns[answered.seq]
         if answered.error and want.kind in (Kind.DELIBERATE, Kind.CALL, Kind.TREAT):
             return self._run(process, coroutine.throw, Refusal(answered.error))
         try:
@@ -187,6 +203,38 @@ class Coroutines:
         if not isinstance(want, Work | Want):
             raise Failure(f"it awaited {type(want).__name__}, which is not the mind's")
         return want
+
+
+def ended(value: object) -> Callable[[], Step]:
+    """What a coroutine that has returned ``value`` has come to, as ``Coroutines`` would give it: a result, or a Failure."""
+
+    def found() -> Step:
+        if not isinstance(value, Result):
+            raise Failure(f"it returned {type(value).__name__}, not a Result")
+        return value
+
+    return found
+
+
+def failed(error: BaseException) -> Callable[[], Step]:
+    """The same for one that has raised."""
+    why = f"{type(error).__name__}: {error}"[:500]
+
+    def found() -> Step:
+        raise Failure(why)
+
+    return found
+
+
+def wanted(want: object) -> Callable[[], Step]:
+    """The same for one that wants something."""
+
+    def found() -> Step:
+        if not isinstance(want, Work | Want):
+            raise Failure(f"it awaited {type(want).__name__}, which is not the mind's")
+        return want
+
+    return found
 
 
 def objection(result: Result) -> str:

@@ -46,6 +46,10 @@ class EvidenceShelf:
             self._dirty[gone] = None
         return True
 
+    def holds(self, topic_key: str) -> bool:
+        """Whether anything at all is kept under ``topic_key``."""
+        return topic_key in self._shelf
+
     def of(self, topic_key: str, since_ns: int) -> tuple[Evidence, ...]:
         """What is kept under ``topic_key`` and came no longer than its retention before ``since_ns``."""
         topic = topic_key.partition("\x1f")[0]

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from functools import lru_cache
 from typing import TypeVar, cast
 
 from wakeful.contracts.treatment import Refusal
 from wakeful.facts.asking import Episode, Kind, Query, Question, Reply, Safety
+from wakeful.facts.choices import Choice
 from wakeful.facts.decisions import Decision, Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.results import Forecast, Result
 from wakeful.facts.time import to_s
-from wakeful.scheduling.wants import Want, Work, give
+from wakeful.scheduling.wants import Want, Work, give, nothing
 
 T = TypeVar("T")
 
@@ -29,27 +31,28 @@ class KernelMind:
 
     Args:
         mode: how this attempt is executed.
-        decision: the decision with which this attempt began.
-        current: gives the decision in force, which deliberation may have revised.
+        decision: the decision with which this attempt began, or the choice that stands for it.
         domain: the domain's data.
-        clock: kernel time in nanoseconds of the last recorded answer.
+        heard_ns: kernel time in nanoseconds of the last recorded answer, at first of the event's arrival.
         consults: whether treatments may put questions of their own to the reasoner.
     """
+
+    __slots__ = ("_advice", "_consults", "_decision", "_domain", "_mode", "current", "heard_ns")
 
     def __init__(
         self,
         mode: Mode,
-        decision: Decision,
-        current: Callable[[], Decision],
+        decision: Decision | Choice,
         domain: DomainSpec,
-        clock: Callable[[], int],
+        heard_ns: int,
         consults: bool = False,
     ) -> None:
         self._mode = mode
         self._decision = decision
-        self._current = current
+        self.current: Decision | None = None
+        """The decision in force, where deliberation has revised the first one."""
         self._domain = domain
-        self._clock = clock
+        self.heard_ns = heard_ns
         self._consults = consults
         self._advice: Reply | None = None
 
@@ -61,6 +64,8 @@ class KernelMind:
     @property
     def decision(self) -> Decision:
         """The decision that started this attempt."""
+        if isinstance(self._decision, Choice):
+            self._decision = self._decision.decision()
         return self._decision
 
     @property
@@ -85,18 +90,32 @@ class KernelMind:
     @property
     def prior(self) -> dict[str, float]:
         """Probabilities over the domain's outcome labels to start from; after deliberation, with the reasoner's in them."""
-        return self._current().prior
+        if self.current is not None:
+            return self.current.prior
+        first = self._decision
+        return dict(zip(first.basis.labels, first.prior, strict=True)) if isinstance(first, Choice) else first.prior
 
     @property
     def now_s(self) -> float:
         """Kernel time of the last recorded answer, at first of the event's arrival, in seconds."""
-        return to_s(self._clock())
+        return to_s(self.heard_ns)
 
     def forecast(self) -> Forecast | None:
         """The prior's most probable label; ties go to the label that the domain names first."""
         prior = self.prior
         if not prior:
             return None
+        first = self._decision
+        if self.current is None and isinstance(first, Choice):
+            highest = max(first.prior)
+            if first.prior.count(highest) == 1:
+                labels = first.basis.labels
+                return Forecast(
+                    label=labels[first.prior.index(highest)],
+                    probability=highest,
+                    probabilities={name: prior[name] for name in _sorted(labels)},
+                    topic=self._domain.outcome.topic,
+                )
         order = {label: place for place, label in enumerate(self._domain.outcome.labels)}
         label = min(prior, key=lambda name: (-round(prior[name], 9), order.get(name, len(order))))
         return Forecast(
@@ -106,15 +125,14 @@ class KernelMind:
             topic=self._domain.outcome.topic,
         )
 
-    async def work(self, steps: int = 1) -> None:
+    def work(self, steps: int = 1) -> Awaitable[None]:
         """Spend cognitive effort, in steps; none for ``steps`` < 1."""
-        if steps > 0:
-            await give(Work(steps))
+        return cast("Awaitable[None]", give(Work(steps)) if steps > 0 else nothing())
 
-    async def evidence(self, topic: str, key: str, within_s: float, count: int = 1) -> tuple[Evidence, ...]:
+    def evidence(self, topic: str, key: str, within_s: float, count: int = 1) -> Awaitable[tuple[Evidence, ...]]:
         """Wait for ``count`` pieces of evidence; fewer when the limit passed."""
         want = Want(kind=Kind.EVIDENCE, key=f"{topic}\x1f{key}", within_s=within_s, count=count)
-        return cast("tuple[Evidence, ...]", await give(want))
+        return cast("Awaitable[tuple[Evidence, ...]]", give(want))
 
     async def recall(self, query: Query) -> tuple[Episode, ...]:
         """Search episodic memory."""
@@ -144,3 +162,8 @@ class KernelMind:
     async def sleep_s(self, seconds: float) -> None:
         """Wait for kernel time to pass."""
         await give(Want(kind=Kind.SLEEP, key="", within_s=max(0.0, seconds)))
+
+
+@lru_cache(maxsize=64)
+def _sorted(labels: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(sorted(labels))

@@ -6,16 +6,18 @@ from collections.abc import Coroutine
 
 import msgspec
 
-from wakeful.facts.decisions import Decision
+from wakeful.facts.choices import Choice
+from wakeful.facts.decisions import Decision, Mode
 from wakeful.facts.events import Event
 from wakeful.facts.lines import Answered, Asked, Moved
 from wakeful.facts.processes import ProcessView, State, Trigger, after
 from wakeful.facts.results import Result
+from wakeful.scheduling.mind import KernelMind
 from wakeful.scheduling.wants import Want, Work
 
 
 class Process(msgspec.Struct, kw_only=True):
-    """Everything but ``coroutine``, ``want``, ``stepping`` and ``ran`` is the fold of the journal's records."""
+    """Everything but ``coroutine``, ``mind``, ``want``, ``stepping`` and ``ran`` is the fold of the journal's records."""
 
     id: int
     event: Event
@@ -24,9 +26,10 @@ class Process(msgspec.Struct, kw_only=True):
     arrived_ns: int
     deadline_ns: int | None = None
     state: State = State.CREATED
-    decision: Decision | None = None
-    first_of_attempt: Decision | None = None
-    """The decision with which this attempt began; ``decision`` is the one in force."""
+    choice: Choice | None = None
+    """The automatic decision with which it began, as its numbers, until another one is made; then ``decided`` is None."""
+    decided: Decision | None = None
+    first: Decision | None = None
     steps: int = 0
     """Completed steps, as of the last transition; the steps since a dispatch are added at the next one."""
     active_since_ns: int = 0
@@ -50,13 +53,38 @@ class Process(msgspec.Struct, kw_only=True):
     attempts: int = 1
 
     coroutine: Coroutine[object, object, Result] | None = None
+    mind: KernelMind | None = None
     want: Work | Want | None = None
     stepping: bool = False
     """Within a step: it gives up its slot at the step's end at the earliest."""
-    heard_ns: int = 0
-    """The time that its mind tells: of the last answer that it has heard, so that a rebuilt coroutine is told the same."""
     ran: int = 0
     """Steps since the dispatch."""
+
+    @property
+    def decision(self) -> Decision | None:
+        """The decision in force."""
+        if self.decided is None and self.choice is not None:
+            self.decided = self.choice.decision()
+        return self.decided
+
+    @property
+    def first_of_attempt(self) -> Decision | None:
+        """The decision with which this attempt began."""
+        return self.first if self.first is not None else self.decision
+
+    @property
+    def treatment(self) -> str:
+        """The treatment in force; empty before there is a decision."""
+        if self.choice is not None:
+            return self.choice.basis.treatment
+        return self.decided.treatment if self.decided is not None else ""
+
+    @property
+    def mode(self) -> Mode:
+        """How it is executed."""
+        if self.choice is not None:
+            return "auto"
+        return self.decided.mode if self.decided is not None else "fallback"
 
     @property
     def held(self) -> bool:
@@ -68,6 +96,10 @@ class Process(msgspec.Struct, kw_only=True):
         """The request that waits for its answer, if any."""
         last = self.asked[-1] if self.asked else None
         return last if last is not None and last.seq > self.base_seq and last.seq not in self.answers else None
+
+    def awaits(self, seq: int) -> bool:
+        """Whether the request of that number is the one that waits for its answer."""
+        return self.asked[-1].seq == seq and seq > self.base_seq and seq not in self.answers
 
     @property
     def next_seq(self) -> int:
@@ -87,7 +119,6 @@ class Process(msgspec.Struct, kw_only=True):
 
     def view(self) -> ProcessView:
         """What a policy may know of it."""
-        decision = self.decision
         pending = self.pending
         fields = self.event.context.fields
         priority = fields.get("priority", self.event.criticality)
@@ -96,8 +127,8 @@ class Process(msgspec.Struct, kw_only=True):
         return ProcessView(
             id=self.id,
             event=self.event.id,
-            treatment=decision.treatment if decision else "",
-            mode=decision.mode if decision else "fallback",
+            treatment=self.treatment,
+            mode=self.mode,
             criticality=self.event.criticality,
             arrived_ns=self.arrived_ns,
             steps_done=self.steps + (self.ran if self.state is State.ACTIVE else 0),

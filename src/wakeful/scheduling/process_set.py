@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator
 
 import msgspec
 
-from wakeful.contracts.policy import LearningPolicy, Policy
+from wakeful.contracts.policy import ConservingPolicy, LearningPolicy, Policy
 from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved, Noted
+from wakeful.facts.packs import Covered, Inquired, Ran, Woken
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.scheduling.backlog import Backlog
 from wakeful.scheduling.crashes import Crashes
@@ -32,7 +33,9 @@ class ProcessSet:
     """
 
     def __init__(self, policy: Policy, event_of: Callable[[str], Event], reasoner_slots: int = 0) -> None:
-        self.policy = policy
+        self._policy = policy
+        self._through = policy if isinstance(policy, ConservingPolicy) else None
+        self._untold: Process | None = None
         self.reasoner_calls = ReasonerCalls(reasoner_slots)
         self.crashes = Crashes()
         self.not_begun = Backlog()
@@ -46,6 +49,22 @@ class ProcessSet:
         self._last = 0
         self._by_condition: dict[str, list[int]] = {}
         self._by_evidence: dict[str, list[int]] = {}
+
+    @property
+    def policy(self) -> Policy:
+        """The policy, told of everything: what may run on at once is told of only when somebody asks."""
+        self._tell()
+        return self._policy
+
+    def _tell(self) -> None:
+        untold = self._untold
+        if untold is not None:
+            self._untold = None
+            self._policy.runnable(untold.view(), untold.arrived_ns)
+
+    def unrivalled(self, process: Process) -> bool:
+        """Whether a policy that leaves no slot empty can but let this ready process run on at once: nobody else is ready."""
+        return self._through is not None and len(self._runnable) == 1 and not self._active and not process.held
 
     @property
     def next_id(self) -> int:
@@ -159,15 +178,83 @@ class ProcessSet:
             self._by_condition.setdefault(event.condition.key, []).append(process.id)
 
     def _decided(self, process: Process, decision: Decision, now_ns: int) -> None:
-        fresh = process.decision is None
+        fresh = process.decided is None and process.choice is None
         if fresh or (process.base_seq == (process.asked[-1].seq if process.asked else 0) and process.steps == process.base_steps):
-            process.first_of_attempt = decision
-        process.decision = decision
+            process.first = decision
+        process.decided = decision
+        process.choice = None
+        if process.mind is not None:
+            process.mind.current = decision
         if fresh:
             self._runnable.add(process.id)
             self.policy.runnable(process.view(), now_ns)
         elif process.id in self._runnable and not process.held:
             self.policy.runnable(process.view(), now_ns)
+
+    # --- packs: what their lines do, done at once ---
+
+    def covered(self, burst: Covered, now_ns: int) -> Process:
+        """An event has its process and its decision."""
+        process = Process(
+            id=burst.process, event=burst.event, arrived_ns=now_ns, deadline_ns=burst.deadline_ns, choice=burst.choice
+        )
+        self._open[process.id] = process
+        self._last = process.id
+        if process.event.condition is not None:
+            self._by_condition.setdefault(process.event.condition.key, []).append(process.id)
+        self._tell()  # of the one before
+        self._untold = process
+        self._runnable.add(process.id)
+        return process
+
+    def inquired(self, burst: Inquired, now_ns: int) -> None:
+        """A process took a slot, worked and waits."""
+        asked = burst.asked
+        process = self._open[asked.process]
+        self._runnable.discard(process.id)
+        process.state = State.WAITING
+        process.steps = burst.steps
+        process.active_since_ns = process.asked_ns = now_ns
+        process.ran = 0
+        if process.started_ns is None:
+            process.started_ns = now_ns
+        process.asked.append(asked)
+        if asked.kind is Kind.EVIDENCE:
+            self._by_evidence.setdefault(asked.key, []).append(process.id)
+        if process is self._untold:
+            self._untold = None  # it has never stood among the ready ones
+        self.policy.waiting(process.view(), now_ns)
+
+    def woken(self, burst: Woken, now_ns: int) -> None:
+        """What a process waited for came, or its limit passed."""
+        process = self._open[burst.answered.process]
+        self._answered(burst.answered, now_ns)
+        process.state = State.SUSPENDED
+        process.steps = burst.steps
+        process.preempted_by = ""
+        self._runnable.add(process.id)
+        if not process.held:
+            self.policy.runnable(process.view(), now_ns)
+
+    def ran(self, burst: Ran, now_ns: int) -> None:
+        """A process took a slot, worked and concluded."""
+        process = self._open.pop(burst.process)
+        self._runnable.discard(process.id)
+        process.state = State.COMPLETED
+        process.steps = burst.steps
+        if process.started_ns is None:
+            process.started_ns = now_ns
+        if process.event.condition is not None and not process.parent:
+            _drop(self._by_condition, process.event.condition.key, process.id)
+        process.coroutine = process.mind = None
+        if process is self._untold and self._through is not None:
+            self._untold = None
+            self._through.ran_through(process.treatment, process.mode, process.event.kind, burst.steps, now_ns)
+            return
+        policy = self.policy
+        if self._learns is not None:
+            self._learns.completed(process.view(), now_ns)
+        policy.gone(process.id, now_ns)
 
     def _answered(self, record: Answered, now_ns: int) -> None:
         process = self._open[record.process]
@@ -182,6 +269,7 @@ class ProcessSet:
 
     def _moved(self, record: Moved, now_ns: int) -> None:
         process = self._open[record.process]
+        self._tell()
         before = process.state
         process.state = after(before, record.trigger)
         if before is State.CREATED:
@@ -220,10 +308,10 @@ class ProcessSet:
         process.base_seq = process.asked[-1].seq if process.asked else 0
         process.base_steps = process.steps
         process.attempts += 1
-        process.first_of_attempt = process.decision
+        process.first = process.decision
         if process.coroutine is not None:
             process.coroutine.close()
-        process.coroutine = None
+        process.coroutine = process.mind = None
         process.want = None
 
     def _completed(self, process: Process, now_ns: int) -> None:
@@ -237,7 +325,7 @@ class ProcessSet:
             _drop(self._by_condition, process.event.condition.key, process.id)
         if process.coroutine is not None:
             process.coroutine.close()
-            process.coroutine = None
+            process.coroutine = process.mind = None
         self.policy.gone(process.id, now_ns)
 
     def _acted(self, record: Acted, now_ns: int) -> None:

@@ -55,14 +55,14 @@ class Running:
             self.rebuild(process)
         elif isinstance(process.want, Want):
             answered = process.answers[process.asked[-1].seq]
-            self._go_on(process, lambda: self._coroutines.answer(process, _want(process), answered))
+            self.go_on(process, lambda: self._coroutines.answer(process, _want(process), answered))
 
     def rebuild(self, process: Process) -> None:
         """Run it again over its recorded answers and steps, and on from there; or never again, where that ends every run."""
         if self._poisonous(process):
             self._quarantine(process)
             return
-        self._go_on(process, lambda: self._coroutines.rebuild(process, process.steps + process.ran))
+        self.go_on(process, lambda: self._coroutines.rebuild(process, process.steps + process.ran))
 
     def step_ended(self, process: Process) -> None:
         """One step of its work is done; it goes on where that was the last."""
@@ -72,9 +72,9 @@ class Running:
         if isinstance(process.want, Work):
             process.want.left -= 1
             if process.want.left <= 0:
-                self._go_on(process, lambda: self._coroutines.send(process, None))
+                self.go_on(process, lambda: self._coroutines.send(process, None))
 
-    def _go_on(self, process: Process, run: Callable[[], Step]) -> None:
+    def go_on(self, process: Process, run: Callable[[], Step]) -> None:
         """Run the coroutine on until it works, waits or ends. ``run`` gives its next want."""
         step = self._attempt(process, run)
         while step is not None:
@@ -203,7 +203,7 @@ class Running:
         self._host.write(process.moved(trigger))
         if process.parent:
             self._asking.tell_parent(process, record.result)
-        self._host.concluded(record)
+        self._host.concluded(process.id)
 
     # --- recovery ---
 

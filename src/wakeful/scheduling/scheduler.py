@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from wakeful.contracts.policy import Policy
+from wakeful.facts.choices import Choice
 from wakeful.facts.crashes import Page
 from wakeful.facts.decisions import Decision
 from wakeful.facts.domain import DomainSpec
@@ -13,6 +14,7 @@ from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Act, Answer
 from wakeful.facts.lines import Acted, Concluded, Created, Decided
 from wakeful.facts.overload import Load
+from wakeful.facts.packs import Covered
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.time import to_ns, to_s
@@ -25,6 +27,7 @@ from wakeful.scheduling.host import Host, Treatments
 from wakeful.scheduling.process import Process
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.scheduling.running import Running
+from wakeful.scheduling.straight import Straight
 from wakeful.scheduling.wants import Want
 
 #: The acts that need an open process.
@@ -53,16 +56,16 @@ class Scheduler:
         shelf: EvidenceShelf,
     ) -> None:
         self._host = host
-        self._policy = policy
         self._slots = host.settings.slots
         self._step_ns = to_ns(host.settings.step_s)
         self.shelf = shelf
         self.held_back = False
         self.processes = ProcessSet(policy, host.event, host.settings.reasoner_slots)
         self._coroutines = Coroutines(treatments.get, spec, options, host.settings.consult)
-        self._agenda = Agenda(self.processes, self._step_ns)
+        self._agenda = Agenda(self.processes, self._step_ns, host.stir)
         self._asking = Asking(host, self.processes, self._agenda, shelf)
         self._running = Running(host, self.processes, self._coroutines, self._asking, self._begin_child)
+        self._straight = Straight(host, self.processes, self._coroutines, self._asking, self._running, self._agenda)
 
     def load(self, source: str) -> Load:
         """How much is to be thought about now, and how much of it is of that source."""
@@ -102,6 +105,20 @@ class Scheduler:
         self._settle()
         return process
 
+    def cover(self, event: Event, choice: Choice, *, deadline_ns: int | None) -> None:
+        """Give an event that was admitted just now a process with an automatic decision; where nobody else is ready, run it.
+
+        Does what ``Admitted``, ``Created`` and ``Decided`` in turn would, as one entry of the journal.
+        """
+        number = self.processes.next_id
+        self._host.pack(Covered(event=event, process=number, choice=choice, deadline_ns=deadline_ns))
+        self._run_on(self.processes[number])
+
+    def _run_on(self, process: Process) -> None:
+        """Let a process that has just become ready run at once if it has no rival; else settle who runs."""
+        if self.held_back or not self._straight.run(process):
+            self._settle()
+
     def _begin_child(self, process: Process, want: Want) -> None:
         if process.decision is not None:
             reasons = (f"asked for by P{process.id}",)
@@ -126,7 +143,10 @@ class Scheduler:
         if due.rank is Rank.STEP:
             self._running.step_ended(self.processes[due.process])
         elif due.rank is Rank.LIMIT:
-            self._asking.limit_passed(self.processes[due.process])
+            process = self.processes[due.process]
+            if self._asking.limit_passed(process):
+                self._run_on(process)
+                return
         self._settle()
 
     # --- slots ---
@@ -138,7 +158,7 @@ class Scheduler:
             return
         while True:
             running = [each for each in self.processes.active if not self.processes[each].held]
-            pick = self._policy.pick(running, self._slots, self._host.now_ns)
+            pick = self.processes.policy.pick(running, self._slots, self._host.now_ns)
             for each in pick.abandon:
                 self._move(self.processes[each], Trigger.ABANDON)
             if pick.abandon:
@@ -181,7 +201,10 @@ class Scheduler:
 
     def deliver(self, evidence: Evidence) -> None:
         """Keep the evidence, and wake whoever has now all that it asked for."""
-        if self._asking.deliver(evidence):
+        woken = self._asking.deliver(evidence)
+        if len(woken) == 1:
+            self._run_on(woken[0])
+        elif woken:
             self._settle()
 
     def moot(self, condition: str) -> None:

@@ -48,3 +48,9 @@ class Want(msgspec.Struct, frozen=True, kw_only=True):
 def give(want: Work | Want) -> Generator[Work | Want, object, object]:
     """Hand a want to whoever drives the coroutine, and take the answer back."""
     return (yield want)
+
+
+@coroutine
+def nothing() -> Generator[Work | Want, object, None]:
+    """What is awaited where nothing is to be done."""
+    yield from ()

@@ -104,6 +104,10 @@ class Selector:
             self._last = (event, features)
         return self._last[1]
 
+    def encode_many(self, events: Sequence[Event]) -> Vector:
+        """The features of many events, shape (n, d)."""
+        return self._batches.encode(events)
+
     def use(self, card: ModelCard, weights: bytes) -> None:
         """Decide with this model version from now on (an older one rolls back).
 

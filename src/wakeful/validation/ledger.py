@@ -39,6 +39,8 @@ class Entry(msgspec.Struct, kw_only=True):
     concluded_ns: int
     heard_all: bool = True
     """Whether every outcome witnessed between the event and its conclusion was still remembered then."""
+    cell: int = -1
+    """Where the event lies in the experience of the model version that decided; -1 where that is not known."""
     verdict: Verdict | None = None
     shown: str = ""
     decided_by: str = ""

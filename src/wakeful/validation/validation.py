@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from wakeful.facts.domain import DomainSpec
+from wakeful.facts.events import Event
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import (
@@ -23,7 +24,9 @@ from wakeful.facts.lines import (
     Refused,
     Witnessed,
 )
+from wakeful.facts.packs import Ran
 from wakeful.facts.processes import State
+from wakeful.facts.results import Forecast
 from wakeful.facts.time import to_ns
 from wakeful.validation.known import KnownEvents
 from wakeful.validation.ledger import Entry, Ledger
@@ -60,7 +63,7 @@ class Validation:
 
     What the kernel does with it, each returned Judged being recorded and applied before the next question is put:
 
-    - a result is concluded: ``apply(Concluded)``, then ``concluded(record)`` for outcomes that were there before it;
+    - a result is concluded: ``apply(Concluded)``, then ``concluded(process)`` for outcomes that were there before it;
     - an outcome comes: skip it if ``knows(outcome.id)``; ``apply(Witnessed)``, then ``match(outcome, now)``;
     - at ``next_close_ns()``: ``close(now)``; when a source ends or breaks: ``break_off(now)``;
     - after each ``apply(Judged)``: ``experience(judged)``, recorded as Gained.
@@ -94,12 +97,10 @@ class Validation:
                 self._events.created(process, event_id)
             case Moved(process=process, after=State.COMPLETED):
                 self._events.completed(process)
-            case Concluded():
-                self._open(record, at_ns)
+            case Concluded(forecast=forecast):
+                self._enter(record, forecast, at_ns)
             case Witnessed(outcome=outcome):
-                if self._witnesses.add(self._in_kernel_time(outcome), at_ns):
-                    self._witnessed += 1
-                    self._foreign += outcome.label not in self._spec.labels
+                self._witness(outcome, at_ns)
             case Judged():
                 self._decide(record)
             case Gained(experience=experience) | Imported(experience=experience):
@@ -139,13 +140,13 @@ class Validation:
         offset_ns = self._offset_ns.get(outcome.source, 0)
         return msgspec.structs.replace(outcome, at_ns=outcome.at_ns + offset_ns) if offset_ns else outcome
 
-    def concluded(self, record: Concluded) -> list[Judged]:
+    def concluded(self, process: int) -> list[Judged]:
         """The verdicts on a result that was concluded just now, by outcomes witnessed before it.
 
         Its lead is negative: the world was faster than the thought. At most the first outcome decides; the others are
         recorded as ``match`` would.
         """
-        entry = self._ledger.get(record.process)
+        entry = self._ledger.get(process)
         if entry is None or entry.verdict is not None:
             return []
         outcomes = [outcome for outcome in self._witnesses.concerning(entry) if outcome.label in self._spec.labels]
@@ -182,7 +183,9 @@ class Validation:
         entry = self._ledger.get(judged.process)
         if entry is None or judged.verdict is Verdict.UNDECIDED or entry.decided_by != judged.outcome:
             return None
-        outcome = self._witnesses.get(judged.outcome)
+        return self._experience(entry, judged, self._witnesses.get(judged.outcome))
+
+    def _experience(self, entry: Entry, judged: Judged, outcome: Outcome | None) -> Experience:
         told = outcome.treatment if outcome is not None else ""
         applied = entry.treatment if judged.verdict is Verdict.SUPPORTED else ""
         return Experience(
@@ -199,6 +202,47 @@ class Validation:
             acted_on=outcome is not None and outcome.acted_on,
         )
 
+    def covered(self, event: Event, process: int) -> None:
+        """An event was admitted and a process is open on it, as ``apply`` would be told."""
+        self._events.admitted(event)
+        self._events.created(process, event.id)
+
+    def ran(self, burst: Ran, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
+        """A process has concluded, as ``apply`` would be told. ``cell``: where its event lies in experience, if that is known."""
+        self._enter(burst, forecast, at_ns, cell)
+        self._events.completed(burst.process)
+
+    def forecast(self, process: int) -> Entry | None:
+        """The forecast of a process, with its window and what came of it; None where there is none any more."""
+        return self._ledger.get(process)
+
+    def sole(self, outcome: Outcome, now_ns: int) -> tuple[Judged, Experience] | None:
+        """What an outcome that was not witnessed yet brings about in the ordinary case: it decides one open forecast.
+
+        Returns:
+            tuple[Judged, Experience] | None: the verdict and its experience; None where the case is another (nothing or several
+            concerned, nothing decided, late, a foreign label), and ``match`` is to be asked.
+        """
+        if outcome.label not in self._spec.labels:
+            return None
+        outcome = self._in_kernel_time(outcome)
+        found = [entry for entry in self._ledger.concerned(outcome, self._within_ns) if self._reaches(outcome, entry)]
+        if len(found) != 1:
+            return None
+        entry = found[0]
+        if entry.verdict is not None or entry.closes_ns < now_ns:
+            return None
+        judged = self._judge(entry, outcome)
+        if judged.verdict is Verdict.UNDECIDED:
+            return None
+        return judged, self._experience(entry, judged, outcome)
+
+    def validated(self, outcome: Outcome, judged: Judged, experience: Experience, at_ns: int) -> None:
+        """An outcome decided a forecast, as ``apply`` would be told."""
+        self._witness(outcome, at_ns)
+        self._decide(judged)
+        self._next_experience = max(self._next_experience, experience.id + 1)
+
     def counts(self) -> Counts:
         """What came of the forecasts so far."""
         return Counts(
@@ -211,12 +255,17 @@ class Validation:
             foreign=self._foreign,
         )
 
-    def _open(self, record: Concluded, at_ns: int) -> None:
+    def _witness(self, outcome: Outcome, at_ns: int) -> None:
+        if self._witnesses.add(self._in_kernel_time(outcome), at_ns):
+            self._witnessed += 1
+            self._foreign += outcome.label not in self._spec.labels
+
+    def _enter(self, record: Concluded | Ran, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
         event = self._events.get(record.event)
-        if record.closes_ns is None or record.forecast is None or event is None or self._ledger.get(record.process) is not None:
+        if record.closes_ns is None or forecast is None or event is None or self._ledger.get(record.process) is not None:
             return
         forgotten_ns = self._witnesses.forgotten_ns
-        forecast, since_ns = record.forecast, event.stamp.source_ns + self._offset_ns.get(event.source, 0)
+        since_ns = event.stamp.source_ns + self._offset_ns.get(event.source, 0)
         self._made += 1
         self._ledger.open(
             Entry(
@@ -235,6 +284,7 @@ class Validation:
                 offset_ns=record.closes_ns - since_ns - self._within_ns,
                 concluded_ns=at_ns,
                 heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
+                cell=cell,
             )
         )
 

@@ -28,6 +28,7 @@ from typing import NamedTuple
 import msgspec
 
 from wakeful.contracts.policy import Pick
+from wakeful.facts.decisions import Mode
 from wakeful.facts.events import CRITICAL
 from wakeful.facts.processes import ProcessView
 from wakeful.facts.time import to_ns
@@ -139,6 +140,10 @@ class DeadlineAware:
     def completed(self, view: ProcessView, now_ns: int) -> None:
         """How many steps it took in the end."""
         self._history.completed(view, self._before_wait.get(view.id), now_ns)
+
+    def ran_through(self, treatment: str, mode: Mode, kind: str, steps: int, now_ns: int) -> None:
+        """How many steps it took: there is nobody whom it could have kept waiting."""
+        self._history.ran_through((treatment, mode, kind), steps, now_ns)
 
     def gone(self, process: int, now_ns: int) -> None:  # noqa: ARG002
         """It no longer competes."""

@@ -32,12 +32,12 @@ class Effort:
         self._unwaited = 0
         self._longest_wait_ns: int | None = None
 
-    def completed(self, steps: int, steps_before_wait: int | None) -> None:
+    def completed(self, steps: int, steps_before_wait: int | None, times: int = 1) -> None:
         """A process took ``steps`` in all, so many of them before it waited for the first time (None: it did not wait)."""
         steps = min(steps, _LONGEST)
-        self._totals[steps] = self._totals.get(steps, 0) + 1
+        self._totals[steps] = self._totals.get(steps, 0) + times
         if steps_before_wait is None:
-            self._unwaited += 1
+            self._unwaited += times
         else:
             left = steps - min(steps_before_wait, steps)
             self._after_wait[left] = self._after_wait.get(left, 0) + 1
@@ -103,6 +103,7 @@ class History:
         self._all = Effort(None, assumed_steps)
         self._kinds: dict[Key, Effort] = {}
         self._told: list[Callable[[], None]] = []
+        self._ran_through: dict[tuple[Key, int], int] = {}
         self._told_ns = 0
         self._spent_ns = 0
         self._steps = 0
@@ -118,10 +119,23 @@ class History:
 
     def advance(self, now_ns: int) -> None:
         """Take up what was told before ``now_ns``."""
-        if self._told and now_ns > self._told_ns:
+        if now_ns > self._told_ns and (self._told or self._ran_through):
             for learn in self._told:
                 learn()
             self._told.clear()
+            for (key, steps), times in self._ran_through.items():
+                self._all.completed(steps, None, times)
+                self._of_kind(key).completed(steps, None, times)
+                self._steps += steps * times
+            self._ran_through.clear()
+
+    def ran_through(self, key: Key, steps: int, now_ns: int) -> None:
+        """A process like these was resolved within an instant, without a wait."""
+        if now_ns > self._told_ns:
+            self.advance(now_ns)
+            self._told_ns = now_ns
+        place = key, steps
+        self._ran_through[place] = self._ran_through.get(place, 0) + 1
 
     def completed(self, view: ProcessView, steps_before_wait: int | None, now_ns: int) -> None:
         """A process was resolved; ``view`` is its last one."""
@@ -159,7 +173,13 @@ class History:
         self._told.append(learn)
 
     def _both(self, view: ProcessView) -> tuple[Effort, Effort]:
-        return self._all, self._kinds.setdefault(_key(view), Effort(self._all, self._assumed))
+        return self._all, self._of_kind(_key(view))
+
+    def _of_kind(self, key: Key) -> Effort:
+        found = self._kinds.get(key)
+        if found is None:
+            found = self._kinds[key] = Effort(self._all, self._assumed)
+        return found
 
 
 def _key(view: ProcessView) -> Key:

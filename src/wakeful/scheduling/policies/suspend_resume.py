@@ -6,6 +6,7 @@ import heapq
 from collections.abc import Sequence
 
 from wakeful.contracts.policy import Pick
+from wakeful.facts.decisions import Mode
 from wakeful.facts.processes import ProcessView
 
 _Key = tuple[int, int, int, int]
@@ -37,6 +38,9 @@ class SuspendResume:
     def gone(self, process: int, now_ns: int) -> None:  # noqa: ARG002
         """It no longer competes; its heap entry is dropped when it comes up."""
         self._keys.pop(process, None)
+
+    def ran_through(self, treatment: str, mode: Mode, kind: str, steps: int, now_ns: int) -> None:
+        """Nothing to remember."""
 
     def pick(self, running: Sequence[int], slots: int, now_ns: int) -> Pick:  # noqa: ARG002
         """The ``slots`` first by (criticality, priority, arrival, id)."""
