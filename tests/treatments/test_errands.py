@@ -10,11 +10,13 @@ import pytest
 from msgspec.structs import replace
 
 from tests.treatments.worlds import DOMAIN, event, script
+from wakeful.bridges.aries import PlannerError, aries
 from wakeful.contracts.treatment import Mind
 from wakeful.facts.domain import Errand, Task
+from wakeful.facts.errands import Errands, Plan
 from wakeful.facts.events import Context, Event
 from wakeful.testing import ScriptedMind
-from wakeful.treatments.errands import Errands, Plan, PlannerError, planned, problem
+from wakeful.treatments.errands import problem
 from wakeful.treatments.planning import Planning, PlanningSettings, plan
 from wakeful.treatments.routes import graph_of
 
@@ -35,7 +37,7 @@ class WholeTask:
 
     async def treat(self, about: Event, mind: Mind) -> Planning:
         """Within ten seconds."""
-        return await plan(about, mind, PlanningSettings(task_s=10.0))
+        return await plan(about, mind, PlanningSettings(planner=aries))
 
 
 def treated(domain: object = WORLD, mode: str = "delib") -> Planning:
@@ -78,11 +80,11 @@ def test_a_task_is_planned_round_what_is_blocked_in_the_order_that_it_needs() ->
 @needs_planner
 def test_a_task_that_cannot_be_done_is_a_result() -> None:
     alone = Errands(start="dock", errands=(Errand(does="fetch", at="moon"),), legs=(), within_s=5.0)
-    assert not msgspec.convert(asyncio.run(planned(alone)), Plan).feasible
+    assert not msgspec.convert(asyncio.run(aries(alone)), Plan).feasible
 
 
 @needs_planner
 def test_what_the_planner_cannot_read_is_an_error_with_its_words() -> None:
     broken = Errands(start="dock", errands=(Errand(does="fetch", at="shelf", after=("nothing",)),), legs=())
     with pytest.raises(PlannerError):
-        asyncio.run(planned(broken))
+        asyncio.run(aries(broken))

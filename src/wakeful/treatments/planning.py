@@ -8,19 +8,23 @@ from typing import Literal
 from msgspec import convert
 
 from wakeful.contracts.treatment import Mind, Refusal
+from wakeful.facts.errands import Plan, Planner
 from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast, Proposal, Result
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.errands import START_S, Plan, planned, problem
+from wakeful.treatments.errands import problem
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
 from wakeful.treatments.procedure import Step, steps_for
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.routes import Graph, Trip, Way, cost_of, graph_of, impassable, leg_name, trip_of, ways, without
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import brief, subject
+
+#: A planner may take so long before it begins to search.
+STARTING_S = 60.0
 
 
 class PlanningSettings(Fact, frozen=True):
@@ -29,8 +33,10 @@ class PlanningSettings(Fact, frozen=True):
     ways: int = 2
     ways_deliberating: int = 5
     cases: int = 6
-    task_s: float = 0.0
-    """For how long the plan of the whole task is searched when deliberating (the extra ``planning``); 0: not at all."""
+    task_s: float = 10.0
+    """For how long the plan of the whole task is searched when deliberating."""
+    planner: Planner | None = None
+    """Who plans whole tasks, such as ``wakeful.bridges.aries.aries`` (the extra ``planning``); None: nobody."""
 
 
 class Proposed(Fact, frozen=True):
@@ -137,15 +143,17 @@ async def plan(event: Event, mind: Mind, settings: PlanningSettings) -> Planning
 async def _task_plan(event: Event, mind: Mind, left: Graph, start: str, settings: PlanningSettings) -> tuple[Plan | None, str]:
     """The plan of the task that the event's context names, from where the robot is; or why there is none."""
     task = next((each for each in mind.domain.task if each.name == event.context.task), None)
-    if task is None or mind.mode != "delib" or settings.task_s <= 0.0:
+    if task is None or mind.mode != "delib" or settings.planner is None:
         return None, ""
     errands = problem(task, start, left, settings.task_s)
 
+    planner = settings.planner
+
     async def search() -> dict[str, object]:
-        return await planned(errands)
+        return await planner(errands)
 
     try:
-        answer: dict[str, object] = await mind.call(search, f"task {task.name}", settings.task_s + START_S)
+        answer: dict[str, object] = await mind.call(search, f"task {task.name}", settings.task_s + STARTING_S)
     except Refusal as refusal:
         return None, str(refusal)
     found = convert(answer, Plan)

@@ -1,6 +1,6 @@
 """The worker process of task planning: one problem as JSON on standard input, its plan as JSON on standard output.
 
-`python -m wakeful.treatments.aries_worker`. A process of its own, because importing the planner takes seconds and searching may
+`python -m wakeful.bridges.aries_worker`. A process of its own, because importing the planner takes seconds and searching may
 take longer than anybody wants the mind to stand still. Needs the extra ``planning`` (unified-planning and up-aries).
 """
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 import msgspec
 
-from wakeful.treatments.errands import Errands, Plan
+from wakeful.facts.errands import Errands, Plan
 
 
 def solve(errands: Errands) -> Plan:
