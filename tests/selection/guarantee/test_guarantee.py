@@ -240,6 +240,31 @@ def test_errors_that_come_too_fast_revoke_the_certificate_and_the_next_one_must_
     assert again.delta < 0.05 / 2
 
 
+def test_a_reasoners_disagreement_may_revoke_and_its_consent_certifies_nothing() -> None:
+    life = Life(audit_rate=1.0, audit_by="deliberation")
+    life.live(100)
+    assert life.standing.certificate is not None
+    for _ in range(5):
+        process = life.decide()
+        decided = life.records[-1]
+        assert isinstance(decided, Decided)
+        otherwise = msgspec.structs.replace(decided.decision, treatment="planning")
+        life.write(msgspec.structs.replace(decided, decision=otherwise))
+        if life.of(Revoked):
+            break
+        assert life.standing.doubted == process - 100
+    else:
+        pytest.fail("it was not revoked")
+    [revoked] = life.of(Revoked)
+    assert isinstance(revoked, Revoked)
+    assert "a reasoner answered" in revoked.why
+    before = life.standing.events
+    agreed = life.decide()
+    life.write(life.records[-1])
+    life.conclude(agreed, "delib")
+    assert life.standing.events == before
+
+
 def test_an_undrawn_error_is_seen_by_the_watch_and_supports_no_bound() -> None:
     life = Life(audit_rate=0.001)
     life.live(100)

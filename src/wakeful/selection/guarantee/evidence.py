@@ -83,10 +83,14 @@ class Evidence:
                 return self.proven
             self.proven = self.proven + passed
 
-    def alarms(self) -> tuple[Flags, Flags]:
-        """Whether the watch over audited answers gives alarm, and the one over all that are seen to be wrong."""
+    def alarms(self, doubted: int = 0) -> tuple[Flags, Flags]:
+        """Whether the watch over audited answers gives alarm, and the one over all that are seen to be wrong.
+
+        ``doubted`` further audited answers are taken for wrong.
+        """
         limit = np.log(self.settings.patience)
-        return np.asarray(self.audited >= limit), np.asarray(self.seen >= limit)
+        more = doubted * np.log(self.settings.to / self.settings.alpha)
+        return np.asarray(self.audited + more >= limit), np.asarray(self.seen >= limit)
 
     def restart(self, where: Flags) -> None:
         """A certificate was revoked there: nothing that was seen counts for the next one."""

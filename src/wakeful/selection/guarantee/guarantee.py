@@ -131,7 +131,10 @@ class Guarantee:
         audit = decision.audit
         if audit is None and self._shadow:
             audit = _as_if(decision, self.settings.alpha)
-        if audit is None or process in self._waiting or decision.watermark < self.settings.seek_from:
+        if (waiting := self._waiting.get(process)) is not None:
+            self._doubt(waiting, decision)
+            return
+        if audit is None or decision.watermark < self.settings.seek_from:
             return
         standing = self._of(audit.treatment)
         if decision.model != standing.model:
@@ -152,6 +155,15 @@ class Guarantee:
         standing.waiting.add(waiting)
         standing.counted.begin(waiting)
 
+    def _doubt(self, waiting: Waiting, later: Decision) -> None:
+        """A reasoner was asked about an audited event. That it disagrees may revoke automation; its consent is no evidence."""
+        other = later.treatment != waiting.treatment or likeliest(later.prior)[0] != waiting.predicted
+        standing = self._of(waiting.treatment)
+        if other and waiting.automatic and waiting.drawn and not waiting.settled and waiting.number == standing.number:
+            standing.doubted += not waiting.doubted
+            waiting.doubted = True
+            self._touched[waiting.treatment] = None
+
     def _wrong(self, judged: Judged, waiting: Waiting) -> bool | None:
         """Whether the automatic answer was wrong, or would have been; None where neither the world nor a person said so."""
         told, counts = self._said.get(judged.outcome, ("", True))
@@ -167,8 +179,10 @@ class Guarantee:
         """The outcome of an event is known, or will not be. A verdict that a later one supersedes is taken up until its turn."""
         if waiting.settled and wrong is None:
             return
-        waiting.settled, waiting.wrong = True, wrong
         standing = self._of(waiting.treatment)
+        if waiting.doubted and not waiting.settled and waiting.number == standing.number:
+            standing.doubted -= 1
+        waiting.settled, waiting.wrong = True, wrong
         if waiting.number != standing.number:
             del self._waiting[process]
             standing.counted.end(waiting)

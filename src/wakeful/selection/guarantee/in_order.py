@@ -14,7 +14,7 @@ class Waiting(msgspec.Struct):
     ``number`` is that of the certificate, standing or wanted, for which it is evidence. ``predicted`` is the label that the
     model's answer forecast; ``automatic`` whether the gate allowed it, ``ran`` whether it was decided to be automatic, ``mode``
     how it was executed in the end. ``judgeable``: a result was concluded with a window in which the world may judge it.
-    ``settled``: no more is to come.
+    ``settled``: no more is to come. ``doubted``: a reasoner answered otherwise, and the outcome is still to come.
     """
 
     process: int
@@ -29,6 +29,7 @@ class Waiting(msgspec.Struct):
     ran: bool
     judgeable: bool = False
     settled: bool = False
+    doubted: bool = False
     wrong: bool | None = None
 
 

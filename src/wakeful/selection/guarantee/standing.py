@@ -70,6 +70,7 @@ class Standing:
         self.model = model
         self.evidence = Evidence(self.settings, number=self.number)
         self.events, self.known = 0, 0
+        self.doubted = 0
         self.waiting = InOrder()
 
     @property
@@ -110,6 +111,8 @@ class Standing:
         audited, seen = self.evidence.alarms()
         if audited:
             return "audited automatic answers were wrong more often than was promised"
+        if self.doubted and self.evidence.alarms(self.doubted)[0]:
+            return f"a reasoner answered {self.doubted} audited events otherwise, whose outcomes are still to come"
         return "automatic answers were seen to be wrong more often than was promised" if seen else ""
 
     @property
