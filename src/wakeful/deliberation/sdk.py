@@ -87,7 +87,8 @@ class SdkEndpoint:
         if not body.choices:
             raise Unavailable("the endpoint's answer holds no choice")
         choice, usage = body.choices[0], body.usage or _Usage()
-        return Completion(choice.message.content or "", choice.finish_reason or "", usage.prompt_tokens, usage.completion_tokens)
+        text = self._without_key(choice.message.content or "")
+        return Completion(text, choice.finish_reason or "", usage.prompt_tokens, usage.completion_tokens)
 
     async def close(self) -> None:
         """Close the connections of the running loop; the next call opens new ones."""
@@ -131,6 +132,14 @@ class SdkEndpoint:
 
     def _shown(self, text: str) -> str:
         return clean(text.replace(self._api_key, "[key]") if self._api_key else text, 200)
+
+    def _without_key(self, text: str) -> str:
+        """An answer is journaled: an endpoint that gives the key back in it is not believed to mean it."""
+        return text.replace(self._api_key, "[key]") if len(self._api_key) >= _LEAST_KEY_CHARS else text
+
+
+#: What is shorter is no key but a placeholder, as local servers take it, and may stand in any answer.
+_LEAST_KEY_CHARS = 8
 
 
 class _Oversized(Exception):
