@@ -10,8 +10,9 @@ import apsw
 from wakeful.facts.lines import Line
 from wakeful.journal import open_journal
 from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import digest_of, rows_of
+from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, VERSIONS, digest_of, rows_of
 from wakeful.journal.compact.words import Words
+from wakeful.journal.schema import PRESENT
 
 
 def rewrite(path: Path, lines: Sequence[Line]) -> None:
@@ -21,9 +22,8 @@ def rewrite(path: Path, lines: Sequence[Line]) -> None:
     with db:
         db.execute("DELETE FROM rows; DELETE FROM about")
         for row in rows_of(lines, BodyWriter(words)):
-            columns = (row.first, row.last, row.at_ns, row.form, row.digest, row.body)
-            db.execute("INSERT INTO rows VALUES (?,?,?,?,?,?)", columns)
-            db.execute("INSERT INTO about VALUES (?,?,?,?,?)", (row.first, row.admitted, row.duplicate, row.refused, row.keys))
+            db.execute(f"INSERT INTO rows VALUES ({','.join('?' * ROWS_COLUMNS)})", row.stored)
+            db.execute(f"INSERT INTO about VALUES ({','.join('?' * ABOUT_COLUMNS)})", row.about)
         db.executemany("INSERT INTO words VALUES (?, ?)", words.new)
     db.close()
 
@@ -41,10 +41,11 @@ def spoil(path: Path, position: int, body: bytes, *, sealed: bool) -> tuple[int,
         the first and the last position of that row.
     """
     db = apsw.Connection(str(path))
-    query = "SELECT first, last FROM rows WHERE first <= ? ORDER BY first DESC LIMIT 1"
-    ((first, last),) = db.execute(query, (position,)).fetchall()
-    db.execute("UPDATE rows SET body = ? WHERE first = ?", (body, first))
+    query = f"SELECT id, last FROM about WHERE id < ? AND {PRESENT} ORDER BY id DESC LIMIT 1"
+    ((id_, last),) = db.execute(query, ((position + 1) * VERSIONS,)).fetchall()
+    first = id_ // VERSIONS
+    db.execute("UPDATE rows SET body = ? WHERE id = ?", (body, id_))
     if sealed:
-        db.execute("UPDATE rows SET digest = ? WHERE first = ?", (digest_of(first, body), first))
+        db.execute("UPDATE rows SET digest = ? WHERE id = ?", (digest_of(first, body), id_))
     db.close()
     return first, last

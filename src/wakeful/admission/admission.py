@@ -8,7 +8,7 @@ import sys
 import msgspec
 
 from wakeful.facts.events import Draft, Event, Undecodable, event_id
-from wakeful.facts.lines import Admitted, AnyRecord, Duplicate, Refused
+from wakeful.facts.lines import Admitted, AnyRecord, Compacted, Duplicate, Refused
 from wakeful.facts.time import LARGEST_NS, LONGEST_S, Stamp
 from wakeful.facts.values import Field
 
@@ -104,6 +104,10 @@ class Admission:
             self._duplicate += 1
         elif isinstance(record, Refused):
             self._refused += 1
+        elif isinstance(record, Compacted):
+            self._admitted += record.admitted
+            self._duplicate += record.duplicate
+            self._refused += record.refused
 
     def counts(self) -> Counts:
         """The conservation count at this position."""

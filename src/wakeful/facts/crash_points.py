@@ -37,6 +37,9 @@ CRASH_POINTS: dict[str, str] = {
     "migration: backed up": "the journal in its older schema, and a verified copy of it",
     "migration: rewritten": "the journal in its older schema, its copy, and beside them the same journal in today's",
     "migration: done": "the journal in today's schema, and the copy of what it was",
+    "compaction: begun": "what will stand in the place of old rows is being put beside them; it is not the journal's yet",
+    "compaction: rows replaced": "all of it is there; the journal is about to be counted on to it",
+    "compaction: done": "a part of the past is replaced by its counts, durably; the old rows still take up the disk",
     "acts: fed": "an operator's act has been done and is not committed; it still lies in its folder",
     "acts: committed": "the act is durable and still lies in its folder",
 }

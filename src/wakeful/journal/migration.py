@@ -16,7 +16,7 @@ from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import AnyRecord, Line
 from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import ENTRIES_PER_ROW, Row, rows_of
+from wakeful.journal.compact.row import ABOUT_COLUMNS, ENTRIES_PER_ROW, ROWS_COLUMNS, Row, rows_of
 from wakeful.journal.compact.words import Words
 from wakeful.journal.opening import number, sync_directory, version_of, write_schema
 from wakeful.journal.reading import Reading
@@ -147,8 +147,8 @@ def _groups(lines: Iterator[Line]) -> Iterator[list[Line]]:
 
 
 def _insert(new: apsw.Connection, row: Row) -> None:
-    new.execute("INSERT INTO rows VALUES (?,?,?,?,?,?)", (row.first, row.last, row.at_ns, row.form, row.digest, row.body))
-    new.execute("INSERT INTO about VALUES (?,?,?,?,?)", (row.first, row.admitted, row.duplicate, row.refused, row.keys))
+    new.execute(f"INSERT INTO rows VALUES ({','.join('?' * ROWS_COLUMNS)})", row.stored)
+    new.execute(f"INSERT INTO about VALUES ({','.join('?' * ABOUT_COLUMNS)})", row.about)
 
 
 def _remove(path: Path) -> None:

@@ -11,6 +11,9 @@ from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.journal.schema import APPLICATION_ID, BEFORE, SCHEMA, VERSION
 
+#: The write-ahead file is cut to this size whenever it begins anew.
+_WAL_BYTES = 8_000_000
+
 
 def prepare(path: Path) -> None:
     """Make the file and its directory where they are absent, for their owner alone, and see that it can be written.
@@ -56,6 +59,7 @@ def connect(path: Path, *, read_only: bool, full_sync: bool, vfs: str | None) ->
         db.execute(BEFORE)
     db.execute("PRAGMA journal_mode=WAL")
     db.execute(f"PRAGMA synchronous={'FULL' if full_sync else 'NORMAL'}")
+    db.execute(f"PRAGMA journal_size_limit={_WAL_BYTES}")
     if not tables:
         with db:
             write_schema(db)

@@ -13,14 +13,17 @@ from wakeful.contracts.journal import JournalError
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, expanded, last_position
 from wakeful.journal.compact.body import BROKEN, BodyReader
-from wakeful.journal.compact.row import digest_of, event_key, kind_key, process_key
+from wakeful.journal.compact.row import VERSIONS, digest_of, event_key, kind_key, process_key
 from wakeful.journal.compact.words import Words
 from wakeful.journal.readable import event_of, process_of, tag_of
+from wakeful.journal.schema import PRESENT
 
 if TYPE_CHECKING:
     from apsw import SQLiteValue, SQLiteValues
 
 _Row = tuple["SQLiteValue", ...]
+
+_SELECT = "SELECT id, rows.last, form, digest, body FROM about JOIN rows USING (id)"
 
 
 class Reading:
@@ -34,8 +37,8 @@ class Reading:
 
     def entries(self, after: int) -> Iterator[Entry]:
         """The entries whose last position is greater, in order."""
-        row = "first >= coalesce((SELECT max(first) FROM rows WHERE first <= ?), 0)"
-        for entry in self._entries(f"SELECT first, last, form, digest, body FROM rows WHERE {row} ORDER BY first", (after + 1,)):
+        start = f"id >= coalesce((SELECT max(id) FROM about WHERE id < ? AND {PRESENT}), 0)"
+        for entry in self._entries(f"{_SELECT} WHERE {start} AND {PRESENT} ORDER BY id", ((after + 2) * VERSIONS,)):
             if last_position(entry) > after:
                 yield entry
 
@@ -49,10 +52,7 @@ class Reading:
         sought += [] if process is None else [[process_key(process)]]
         sought += [[kind_key(kind) for kind in kinds]] if kinds else []
         where = " AND ".join(f"({' OR '.join(['instr(keys, ?)'] * len(keys))})" for keys in sought)
-        query = (
-            "SELECT rows.first, last, form, digest, body FROM about JOIN rows USING (first) "
-            f"{'WHERE ' + where if where else ''} ORDER BY rows.first"
-        )
+        query = f"{_SELECT} WHERE {PRESENT} {'AND ' + where if where else ''} ORDER BY id"
         for line in expanded(self._entries(query, [key for keys in sought for key in keys])):
             record = line.record
             if event is not None and event_of(record) != event:
@@ -61,6 +61,10 @@ class Reading:
                 continue
             if not kinds or tag_of(record) in kinds:
                 yield line
+
+    def row(self, id_: int) -> list[Entry]:
+        """The entries of one row."""
+        return list(self._entries(f"{_SELECT} WHERE id = ?", (id_,)))
 
     def state(self) -> dict[str, bytes]:
         """The keyed state."""
@@ -102,9 +106,10 @@ class Reading:
             raise self._damaged(f"what follows line {reached}", error) from error
 
     def _row(self, row: _Row) -> list[Entry]:
-        first, last, form, digest, body = row
-        if not (isinstance(first, int) and isinstance(last, int) and isinstance(form, int) and isinstance(body, bytes)):
-            raise self._damaged(f"the row of line {first}", "its columns hold what no journal writes")
+        id_, last, form, digest, body = row
+        if not (isinstance(id_, int) and isinstance(last, int) and isinstance(form, int) and isinstance(body, bytes)):
+            raise self._damaged(f"row {id_}", "its columns hold what no journal writes")
+        first = id_ // VERSIONS
         where = f"line {first}" if first == last else f"the row of lines {first} to {last}"
         if digest != digest_of(first, body):
             raise self._damaged(where, "its content is not what was written")

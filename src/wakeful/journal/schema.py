@@ -13,20 +13,30 @@ VERSION = 2
 #: Must be set before the first table is made: freed pages go back to the disk, a few at a time.
 BEFORE = "PRAGMA auto_vacuum=INCREMENTAL"
 
-SCHEMA = """
+#: What holds of a row that is to be read: it is there in the journal's present generation. Compaction puts new rows beside the
+#: old ones, some at a time, and makes them the journal's by counting up the generation.
+PRESENT = "born <= (SELECT generation FROM frontier) AND (died IS NULL OR died > (SELECT generation FROM frontier))"
+
+SCHEMA = f"""
     CREATE TABLE rows(
-        first INTEGER PRIMARY KEY,
+        id INTEGER PRIMARY KEY,
         last INTEGER NOT NULL,
-        at_ns INTEGER NOT NULL,
         form INTEGER NOT NULL,
         digest BLOB NOT NULL,
         body BLOB NOT NULL
     ) STRICT;
     CREATE TABLE about(
-        first INTEGER PRIMARY KEY,
+        id INTEGER PRIMARY KEY,
+        last INTEGER NOT NULL,
+        at_ns INTEGER NOT NULL,
         admitted INTEGER NOT NULL,
         duplicate INTEGER NOT NULL,
         refused INTEGER NOT NULL,
+        gained INTEGER NOT NULL,
+        process INTEGER NOT NULL,
+        experience INTEGER NOT NULL,
+        born INTEGER NOT NULL,
+        died INTEGER,
         keys BLOB NOT NULL
     ) STRICT;
     CREATE TABLE words(number INTEGER PRIMARY KEY, text TEXT NOT NULL) STRICT;
@@ -38,10 +48,12 @@ SCHEMA = """
         monotonic_ns INTEGER NOT NULL,
         boot INTEGER NOT NULL
     ) STRICT;
+    CREATE TABLE frontier(position INTEGER NOT NULL, generation INTEGER NOT NULL) STRICT;
+    INSERT INTO frontier VALUES (0, 0);
     CREATE VIEW conservation AS
-        SELECT sum(admitted + duplicate + refused) AS received,
-               sum(admitted) AS admitted,
-               sum(duplicate) AS duplicate,
-               sum(refused) AS refused
-        FROM about;
+        SELECT coalesce(sum(admitted + duplicate + refused), 0) AS received,
+               coalesce(sum(admitted), 0) AS admitted,
+               coalesce(sum(duplicate), 0) AS duplicate,
+               coalesce(sum(refused), 0) AS refused
+        FROM about WHERE {PRESENT};
 """

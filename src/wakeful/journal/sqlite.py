@@ -15,11 +15,14 @@ from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, last_position
 from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, rows_of
+from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, Row, rows_of
+from wakeful.journal.compaction.compactor import Compactor
 from wakeful.journal.lock import FileLock
 from wakeful.journal.migration import migrate
 from wakeful.journal.opening import boot_id, connect, number, prepare
 from wakeful.journal.reading import Reading
+from wakeful.journal.retention import Retention
+from wakeful.journal.schema import PRESENT
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -34,6 +37,7 @@ class SqliteJournal:
         path: the file; made, with its directory, where it is absent and ``read_only`` is false.
         read_only: look without the writer's lock; may be done beside a running writer.
         full_sync: ``synchronous=FULL`` (survives power loss) or NORMAL (survives a killed process).
+        retention: how much of the past is kept; the documented defaults where None.
         vfs: the name of the SQLite VFS that does the reading and writing, for tests of a failing disk; None: the system's.
 
     Raises:
@@ -43,7 +47,15 @@ class SqliteJournal:
     copied before.
     """
 
-    def __init__(self, path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        read_only: bool = False,
+        full_sync: bool = True,
+        retention: Retention | None = None,
+        vfs: str | None = None,
+    ) -> None:
         self.path = path
         self._lock: FileLock | None = None
         if read_only and not path.is_file():
@@ -56,7 +68,8 @@ class SqliteJournal:
             self.migrated = None if read_only else migrate(path)
             self._db = connect(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
             self._reading = Reading(self._db, path)
-            self._last = number(self._db, "SELECT coalesce(max(last), 0) FROM rows WHERE first = (SELECT max(first) FROM rows)")
+            newest = f"SELECT last FROM about WHERE {PRESENT} ORDER BY id DESC LIMIT 1"
+            self._last = number(self._db, f"SELECT coalesce(max(last), 0) FROM ({newest})")
         except apsw.Error as error:
             self._release()
             raise JournalError(f"{path} cannot be opened as a journal: {error}; name another file with --journal") from error
@@ -66,6 +79,7 @@ class SqliteJournal:
         self._words = self._reading.words
         self._writer = BodyWriter(self._words)
         self._boot = boot_id()
+        self._compactor = Compactor(self._db, retention or Retention(), self._reading.row, self._put, self._writer)
 
     @property
     def last(self) -> int:
@@ -86,8 +100,7 @@ class SqliteJournal:
         try:
             with self._db:
                 reach("commit: begun")
-                if lines:
-                    self._append(lines, last)
+                rows = self._append(lines, last) if lines else []
                 reach("commit: lines written")
                 for key, value in state.items():
                     if value is None:
@@ -97,23 +110,50 @@ class SqliteJournal:
                 for name, value in blobs.items():
                     self._db.execute("INSERT OR IGNORE INTO blobs VALUES (?, ?)", (name, value))
                 reach("commit: state written")
+            self._words.settled()
         except (apsw.Error, UnicodeEncodeError) as error:
-            self._words.withdraw()
             raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
+        finally:
+            self._words.withdraw()
         reach("commit: done")
-        self._words.settled()
         self._last = last
+        self._compactor.committed(lines, rows)
 
-    def _append(self, entries: Sequence[Entry], last: int) -> None:
-        rows = list(rows_of(entries, self._writer))
+    def tidy(self, least_events: int = 0) -> bool:
+        """Give up a little of what is older than the retention: a few milliseconds' work, to be done between two commits.
+
+        Args:
+            least_events: begin where so many events are old enough; 0: where it is worth the while, as between commits.
+
+        Returns:
+            whether there is more to do at once.
+
+        Raises:
+            JournalError: it could not be written, or what is old is damaged; the journal is as it was before.
+        """
+        try:
+            more = self._compactor.step(least_events)
+            self._words.settled()
+        except apsw.Error as error:
+            raise JournalError(f"{self.path} could not be compacted: {error}; nothing of this step was done") from error
+        finally:
+            self._words.withdraw()
+        return more
+
+    def _append(self, entries: Sequence[Entry], last: int) -> list[Row]:
         boot = int.from_bytes(self._words.constant(self._boot), "big")
+        rows = list(rows_of(entries, self._writer))
+        self._put(rows)
+        self._insert("commits", 4, [last, time.time_ns(), time.monotonic_ns(), boot])
+        return rows
+
+    def _put(self, rows: Sequence[Row]) -> None:
         if self._words.new:
             self._insert("words", 2, [value for word in self._words.new for value in word])
         self._insert("rows", ROWS_COLUMNS, [value for row in rows for value in row.stored])
         self._insert("about", ABOUT_COLUMNS, [value for row in rows for value in row.about])
-        self._insert("commits", 4, [last, time.time_ns(), time.monotonic_ns(), boot])
 
-    def _insert(self, table: str, columns: int, values: list[int | str | bytes]) -> None:
+    def _insert(self, table: str, columns: int, values: list[int | str | bytes | None]) -> None:
         """One statement of many rows: executemany would hand over the interpreter lock per row."""
         slots = f"({','.join('?' * columns)})"
         for start in range(0, len(values), columns * _ROWS_PER_INSERT):
@@ -197,6 +237,13 @@ class SqliteJournal:
         self.close()
 
 
-def open_journal(path: Path, *, read_only: bool = False, full_sync: bool = True, vfs: str | None = None) -> SqliteJournal:
+def open_journal(
+    path: Path,
+    *,
+    read_only: bool = False,
+    full_sync: bool = True,
+    retention: Retention | None = None,
+    vfs: str | None = None,
+) -> SqliteJournal:
     """Open, or make, the journal at ``path``. See SqliteJournal."""
-    return SqliteJournal(path, read_only=read_only, full_sync=full_sync, vfs=vfs)
+    return SqliteJournal(path, read_only=read_only, full_sync=full_sync, retention=retention, vfs=vfs)

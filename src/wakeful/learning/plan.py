@@ -12,7 +12,7 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.inputs import TrainingJob
-from wakeful.facts.lines import Acted, AnyRecord, Drifted, Gained, Imported, Published, TrainingAsked
+from wakeful.facts.lines import Acted, AnyRecord, Compacted, Drifted, Gained, Imported, Published, TrainingAsked
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import to_ns
 from wakeful.learning.replay import Row, Sides, refuted, replay
@@ -116,7 +116,7 @@ class Learning:
         return tuple(self._made(list(self._rows.values())))
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
-        """Take up a record; all but Gained, Imported, TrainingAsked, Published, Drifted and a rollback are passed over.
+        """Take up a record; all but Gained, Compacted, Imported, TrainingAsked, Published, Drifted and a rollback are passed over.
 
         Args:
             record: the record, live or in recovery.
@@ -129,6 +129,10 @@ class Learning:
             if event is None or event.id != record.experience.event:
                 raise ValueError(f"experience {record.experience.id} needs its event {record.experience.event}")
             self.gain(record.experience, event)
+        elif isinstance(record, Compacted):
+            self._watermark = max(self._watermark, record.experience)
+            self._decided += record.gained
+            self._since_asked += record.gained
         elif isinstance(record, Imported):
             # It is no process of this journal: its row has a place of its own.
             self.gain(msgspec.structs.replace(record.experience, process=-record.experience.id), record.event)

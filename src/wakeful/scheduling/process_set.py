@@ -11,7 +11,7 @@ from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Evidence
-from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Created, Decided, Moved, Noted
+from wakeful.facts.lines import Acted, Answered, AnyRecord, Asked, Compacted, Created, Decided, Moved, Noted
 from wakeful.facts.packs import Covered, Inquired, Ran, Woken
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.scheduling.backlog import Backlog
@@ -129,6 +129,8 @@ class ProcessSet:
             self._moved(record, now_ns)
         elif isinstance(record, Created):
             self._created(record, now_ns)
+        elif isinstance(record, Compacted):
+            self._last = max(self._last, record.process)
         elif isinstance(record, Decided):
             self._decided(self._open[record.process], record.decision, now_ns)
         elif isinstance(record, Asked):

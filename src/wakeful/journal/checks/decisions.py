@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wakeful.facts.decisions import Decision, Gate
-from wakeful.facts.lines import Concluded, Decided, Gained, Imported, Line, Trusted
+from wakeful.facts.lines import Compacted, Concluded, Decided, Gained, Imported, Line, Trusted
 from wakeful.journal.checks.check import Check
 
 
@@ -55,6 +55,10 @@ class Trust(Check):
         record = line.record
         if isinstance(record, Gained | Imported):
             self._experiences += 1
+        elif isinstance(record, Compacted):
+            # Changes of trust may be among what was given up: the next one of each treatment says where it stood.
+            self._experiences += record.gained
+            self._level.clear()
         elif isinstance(record, Trusted):
             self.checked += 1
             level = self._level.get(record.treatment, record.before)

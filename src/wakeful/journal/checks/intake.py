@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wakeful.facts.lines import Admitted, Created, Decided, Duplicate, Line, Moved, Refused
+from wakeful.facts.lines import Admitted, Compacted, Created, Decided, Duplicate, Line, Moved, Refused
 from wakeful.facts.processes import Trigger
 from wakeful.journal.checks.check import Check
 
@@ -20,6 +20,7 @@ class Conservation(Check):
     def __init__(self) -> None:
         super().__init__()
         self._known: set[str] = set()
+        self._given_up = 0
 
     def see(self, line: Line) -> None:
         """Each intake line under its right head."""
@@ -30,9 +31,13 @@ class Conservation(Check):
                 if event.id in self._known:
                     self.offend(line, f"event {event.id} was admitted before: this is a duplicate, counted as admitted")
                 self._known.add(event.id)
+            case Compacted():
+                self.checked += record.admitted + record.duplicate + record.refused
+                self._given_up += record.admitted
             case Duplicate():
                 self.checked += 1
-                if record.event not in self._known:
+                # It may be of an event that was given up: then nothing is known of it any more.
+                if record.event not in self._known and not self._given_up:
                     self.offend(line, f"a duplicate of event {record.event}, which was never admitted")
             case Refused():
                 self.checked += 1

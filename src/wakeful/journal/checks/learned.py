@@ -6,7 +6,7 @@ from collections.abc import Callable
 from hashlib import blake2b
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import Decided, Gained, Imported, Line, Published, TrainingAsked
+from wakeful.facts.lines import Compacted, Decided, Gained, Imported, Line, Published, TrainingAsked
 from wakeful.journal.checks.check import Check
 
 
@@ -59,6 +59,8 @@ class Lineage(Check):
         match record:
             case Gained() | Imported():
                 self._experiences += 1
+            case Compacted():
+                self._experiences += record.gained
             case TrainingAsked():
                 self.checked += 1
                 if record.base not in self._accepted:

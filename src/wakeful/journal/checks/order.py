@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import Line
+from wakeful.facts.lines import Compacted, Line
 from wakeful.journal.checks.check import Check, Offence
 from wakeful.journal.readable import Readable
 
@@ -30,10 +30,10 @@ class ReadableLines(Check):
 
 
 class Positions(Check):
-    """Positions count from 1 without a gap."""
+    """Positions count from 1 without a gap, but where counts stand for lines that were given up."""
 
     name = "positions"
-    says = "positions count from 1 without a gap"
+    says = "positions count from 1 without a gap; what was compacted stands there with its counts"
 
     def __init__(self) -> None:
         super().__init__()
@@ -42,8 +42,12 @@ class Positions(Check):
     def see(self, line: Line) -> None:
         """Each position is the last one's successor."""
         self.checked += 1
-        if line.position != self._last + 1:
-            self.offend(line, f"position {line.position} follows {self._last}")
+        record = line.record
+        first = record.first if isinstance(record, Compacted) else line.position
+        if first != self._last + 1:
+            self.offend(line, f"position {first} follows {self._last}")
+        elif isinstance(record, Compacted) and record.lines != line.position - first + 1:
+            self.offend(line, f"{record.lines} lines are said to stand from {first} to {line.position}")
         self._last = line.position
 
 

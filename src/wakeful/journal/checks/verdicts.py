@@ -7,7 +7,7 @@ import msgspec
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Experience, Verdict
-from wakeful.facts.lines import Admitted, Concluded, Gained, Imported, Judged, Line, Witnessed
+from wakeful.facts.lines import Admitted, Compacted, Concluded, Gained, Imported, Judged, Line, Opened, Witnessed
 from wakeful.journal.checks.check import Check
 
 
@@ -34,6 +34,8 @@ class Verdicts(Check):
     def __init__(self) -> None:
         super().__init__()
         self._events: dict[str, Event] = {}
+        self._since_ns: dict[str, int] = {}
+        self._offset_ns: dict[str, int] = {}
         self._concluded: dict[int, Concluded] = {}
         self._outcomes: dict[str, Outcome] = {}
         self._standing: dict[int, _Standing] = {}
@@ -47,11 +49,16 @@ class Verdicts(Check):
         record = line.record
         match record:
             case Admitted(event=event):
-                self._events.setdefault(event.id, event)
+                if event.id not in self._events:
+                    self._events[event.id] = event
+                    self._since_ns[event.id] = event.stamp.source_ns + self._offset_ns.get(event.source, 0)
+            case Opened(source=source, offset_ns=offset_ns):
+                self._offset_ns[source] = offset_ns
             case Concluded():
                 self._concluded.setdefault(record.process, record)
             case Witnessed(outcome=outcome):
-                self._outcomes[outcome.id] = outcome
+                at_ns = outcome.at_ns + self._offset_ns.get(outcome.source, 0)
+                self._outcomes[outcome.id] = msgspec.structs.replace(outcome, at_ns=at_ns)
             case Judged():
                 self.checked += 1
                 self._judge(line, record)
@@ -61,6 +68,8 @@ class Verdicts(Check):
                 wrong = self._wrong_experience(record.experience)
                 if wrong:
                     self.offend(line, f"experience {record.experience.id} {wrong}")
+            case Compacted():
+                self._experiences += record.gained
             case Imported():
                 self.checked += 1
                 self._experiences += 1
@@ -119,7 +128,7 @@ class Verdicts(Check):
             return f"was judged by {record.label!r}, but outcome {outcome.id} is {outcome.label!r}"
         if outcome.event and outcome.event != record.event:
             return f"was judged by outcome {outcome.id}, which is of event {outcome.event}"
-        if event is not None and outcome.at_ns <= event.stamp.source_ns:
+        if event is not None and outcome.at_ns <= self._since_ns[event.id]:
             return f"was judged by outcome {outcome.id}, which came before its event"
         standing = self._standing.get(record.process)
         if standing is not None and not _supersedes(outcome, standing):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 import msgspec
 
 from wakeful.contracts.journal import JournalError
-from wakeful.facts.lines import Admitted, Duplicate, Line, Noted, Refused
+from wakeful.facts.lines import Admitted, Compacted, Duplicate, Line, Noted, Refused
 from wakeful.journal.checks.check import Check
 
 _NOTHING = Line(0, 0, Noted(what="", detail=""))
@@ -77,7 +77,10 @@ class Offered(Check):
     def see(self, line: Line) -> None:
         """Count what was received."""
         self._last = line
-        self._received += isinstance(line.record, Admitted | Duplicate | Refused)
+        record = line.record
+        if isinstance(record, Compacted):
+            self._received += record.admitted + record.duplicate + record.refused
+        self._received += isinstance(record, Admitted | Duplicate | Refused)
 
     def end(self) -> None:
         """All lines were read."""

@@ -10,7 +10,7 @@ from typing import Any, get_args
 import msgspec
 from msgspec import inspect
 
-from wakeful.facts.lines import AnyRecord, Line
+from wakeful.facts.lines import AnyRecord, Compacted, Line
 from wakeful.facts.packs import AnyBurst, Entry, Pack, expanded
 from wakeful.journal.compact.coders import Coder, Coders, Turn, UnknownField, struct_type
 from wakeful.journal.compact.quick import quick_writers
@@ -98,6 +98,8 @@ class BodyReader:
                 yield Pack(position, at_ns, value)
                 position += value.count
             else:
+                if isinstance(value, Compacted):
+                    position += value.lines - 1
                 yield Line(position, at_ns, value)
                 position += 1
 

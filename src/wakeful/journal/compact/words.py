@@ -94,7 +94,9 @@ class Words(dict[str, "bytes | str"]):
         self.new.clear()
 
     def withdraw(self) -> None:
-        """The new words could not be written: nothing knows them."""
+        """What new words there still are could not be written: nothing knows them."""
+        if not self.new:
+            return
         for number, text in self.new:
             del self[text], self._texts[_written(number)]
         self._next -= len(self.new)

@@ -1,0 +1,269 @@
+"""The compactor: gives up what is older than the retention, in small transactions between the mind's own commits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import apsw
+import msgspec
+import numpy as np
+
+from wakeful.contracts.journal import JournalError
+from wakeful.facts.crash_points import reach
+from wakeful.facts.packs import Entry, expanded
+from wakeful.journal.compact.body import SQUEEZED, BodyWriter
+from wakeful.journal.compact.row import VERSIONS, Counts, Row, rows_of
+from wakeful.journal.compaction.ages import Ages
+from wakeful.journal.compaction.owed import Owed
+from wakeful.journal.compaction.sieve import Gap, Sieve, sift
+from wakeful.journal.retention import Retention
+from wakeful.journal.schema import PRESENT
+
+#: Rows that are replaced in one transaction, and pages that are given back after it: a few milliseconds.
+_ROWS_PER_STEP = 32
+_PAGES_PER_STEP = 256
+_KEYS_PER_STEP = 256
+
+
+class _Old(msgspec.Struct, frozen=True):
+    id: int
+    last: int
+    at_ns: int
+    counts: Counts
+    keys: bytes
+
+    @property
+    def first(self) -> int:
+        return self.id // VERSIONS
+
+
+class Compactor:
+    """Works in steps; between two of them the journal is whole, and may be committed to or closed.
+
+    Args:
+        db: the journal's connection.
+        retention: what is kept.
+        read: gives the entries of the row with that first position.
+        insert: puts rows, with the words that they need, within the transaction.
+        writer: of bodies.
+    """
+
+    def __init__(
+        self,
+        db: apsw.Connection,
+        retention: Retention,
+        read: Callable[[int], list[Entry]],
+        insert: Callable[[Sequence[Row]], None],
+        writer: BodyWriter,
+    ) -> None:
+        self.rounds = 0
+        self._db = db
+        self._retention = retention
+        self._read = read
+        self._insert = insert
+        self._writer = writer
+        self._ages: Ages | None = None
+        self._owed: Owed | None = None
+        self._look = True
+        self._swept = False
+        self._steps: Iterator[None] | None = None
+
+    def committed(self, entries: Sequence[Entry], rows: Sequence[Row]) -> None:
+        """Hear of what was committed."""
+        if self._ages is not None:
+            for row in rows:
+                self._look |= self._ages.add(row.last, row.at_ns, row.counts.admitted)
+        if self._owed is not None:
+            for entry in entries:
+                self._owed.see(entry)
+
+    def step(self, least_events: int = 0) -> bool:
+        """Do a little of what there is to do.
+
+        Args:
+            least_events: so many events must be old enough for a round to begin; 0: as many as make it worth the while.
+
+        Returns:
+            whether there is more to do.
+
+        Raises:
+            apsw.Error: it could not be written; the journal is as it was before this step.
+            JournalError: a row that must be read is damaged.
+        """
+        if self._steps is None:
+            if not (self._look or least_events):
+                return False
+            self._look = False
+            boundary = self._known_ages().boundary(self._retention, self._used_bytes(), least_events)
+            if not boundary:
+                return False
+            self._steps = self._round(boundary)
+        try:
+            next(self._steps)
+        except StopIteration:
+            self._steps, self._look = None, True
+        except (apsw.Error, JournalError):
+            self._steps = None
+            raise
+        return True
+
+    def _known_ages(self) -> Ages:
+        if self._ages is None:
+            self._ages = Ages()
+            query = f"SELECT last, at_ns, admitted FROM about WHERE id > (SELECT position FROM frontier) * {VERSIONS} ORDER BY id"
+            for last, at_ns, admitted in self._query(query):
+                self._ages.add(last, at_ns, admitted)
+        return self._ages
+
+    def _query(self, query: str, *values: int) -> Iterator[tuple[Any, ...]]:
+        """Rows of tables whose columns are STRICT: what comes is of the type that the schema says."""
+        yield from self._db.execute(query, values)
+
+    def _used_bytes(self) -> int:
+        pages, free, size = (self._pragma(name) for name in ("page_count", "freelist_count", "page_size"))
+        return (pages - free) * size
+
+    def _pragma(self, name: str) -> int:
+        value: int
+        ((value,),) = self._query(f"PRAGMA {name}")
+        return value
+
+    def _round(self, boundary: int) -> Iterator[None]:
+        """Give up what may be given up, up to a position."""
+        if not self._swept:
+            # Of a round that was broken off: what it would have replaced stays.
+            self._db.execute("UPDATE about SET died = NULL WHERE died > (SELECT generation FROM frontier)")
+            yield from self._sweep()
+        self._swept = False
+        if self._owed is None:
+            yield from self._catch_up()
+        owed = self._owed or Owed()
+        processes = owed.processes()
+        yield from self._astride(boundary, processes)
+        sieve = Sieve(processes, owed.outcomes(boundary), owed.places())
+        size = -1
+        while size != sieve.size:
+            size = sieve.size
+            for olds in self._rows(boundary):
+                for old in olds:
+                    if sieve.concerns(old.first, old.last, old.keys):
+                        sieve.learn(self._read(old.id))
+                yield
+            sieve.seek()
+        gap, standing = Gap(), 0
+        for olds in self._rows(boundary):
+            standing = self._replace(olds, sieve, gap, standing)
+            yield
+        with self._db:
+            reach("compaction: rows replaced")
+            self._db.execute("UPDATE frontier SET position = ?, generation = generation + 1", (boundary,))
+            self._db.execute("DELETE FROM commits WHERE last <= ?", (boundary,))
+        reach("compaction: done")
+        self._known_ages().given_up(boundary)
+        owed.given_up(boundary)
+        self.rounds += 1
+        yield from self._sweep()
+
+    def _sweep(self) -> Iterator[None]:
+        """Take away what is not there in the present generation, and give its pages back to the disk."""
+        position = 0
+        query = f"SELECT id, died FROM about WHERE id > ? AND id <= ? AND NOT ({PRESENT}) ORDER BY id LIMIT ?"
+        ((highest,),) = self._query("SELECT coalesce(max(id), 0) FROM about")
+        while gone := list(self._query(query, position, highest, _ROWS_PER_STEP)):
+            position = gone[-1][0]
+            with self._db:
+                self._delete([id_ for id_, _ in gone])
+            yield
+        while self._pragma("freelist_count"):
+            self._db.execute(f"PRAGMA incremental_vacuum({_PAGES_PER_STEP})").fetchall()
+            yield
+        self._swept = True
+
+    def _delete(self, ids: Sequence[int]) -> None:
+        for table in ("rows", "about"):
+            self._db.execute(f"DELETE FROM {table} WHERE id IN ({','.join('?' * len(ids))})", ids)
+
+    def _catch_up(self) -> Iterator[None]:
+        """Follow what was committed before anybody listened."""
+        owed, id_ = Owed(), 0
+        while ids := list(self._query(f"SELECT id FROM about WHERE id > ? AND {PRESENT} ORDER BY id LIMIT 4", id_)):
+            for (id_,) in ids:
+                for entry in self._read(id_):
+                    owed.see(entry)
+            yield
+        self._owed = owed
+
+    def _astride(self, boundary: int, processes: set[int]) -> Iterator[None]:
+        """Add the processes that were created before a position, and of which something is told after it."""
+        ((highest,),) = self._query("SELECT coalesce(max(process), 0) FROM about WHERE last <= ?", boundary)
+        position = boundary
+        query = f"SELECT last, keys FROM about WHERE id > ? * {VERSIONS} AND {PRESENT} ORDER BY id LIMIT ?"
+        while rows := list(self._query(query, position, _KEYS_PER_STEP)):
+            # Keys of events may look like those of processes: then a process more is kept, until the next round.
+            numbers = np.frombuffer(b"".join(keys for _, keys in rows), dtype=np.uint32)
+            processes.update(numbers[numbers <= highest].tolist())
+            position = rows[-1][0]
+            yield
+
+    def _rows(self, boundary: int) -> Iterator[list[_Old]]:
+        """What the rows up to a position are about, a few at a time."""
+        query = (
+            "SELECT id, last, at_ns, admitted, duplicate, refused, gained, process, experience, keys FROM about "
+            f"WHERE id > ? AND last <= ? AND {PRESENT} ORDER BY id LIMIT ?"
+        )
+        id_ = 0
+        while rows := list(self._query(query, id_, boundary, _ROWS_PER_STEP)):
+            id_ = rows[-1][0]
+            yield [_Old(row[0], row[1], row[2], Counts(*row[3:9]), row[9]) for row in rows]
+
+    def _replace(self, olds: list[_Old], sieve: Sieve, gap: Gap, standing: int) -> int:
+        """Put what is kept of some rows, and the counts of the rest, beside them, for the next generation.
+
+        Args:
+            standing: the id of the row that stands for the open gap, 0 for none: it grows into these rows.
+
+        Returns:
+            the same for the next rows.
+        """
+        rows: list[Row] = []
+        kept: list[Entry] = []
+        gone: list[int] = []
+        for old in olds:
+            entries = self._read(old.id) if sieve.concerns(old.first, old.last, old.keys) else []
+            if entries and all(sieve.keeps(line) for line in expanded(entries)):
+                # It stays where it is; what stood open before it is closed.
+                if standing and not gone and not kept:
+                    standing = 0
+                    gap.close()
+                elif gap.first:
+                    kept.append(gap.close())
+                rows.extend(rows_of(kept, self._writer, SQUEEZED))
+                kept.clear()
+                continue
+            gone.append(old.id)
+            if entries:
+                kept.extend(sift(entries, sieve, gap))
+            else:
+                gap.add(old.first, old.last, old.at_ns, old.counts)
+        rows.extend(rows_of(kept, self._writer, SQUEEZED))
+        if not gone and not rows:
+            return standing
+        if gap.first:
+            rows.extend(rows_of([gap.line()], self._writer))
+        ((generation,),) = self._query("SELECT generation FROM frontier")
+        with self._db:
+            reach("compaction: begun")
+            if standing:
+                self._delete([standing])
+            rows = [self._placed(row, generation + 1) for row in rows]
+            self._insert(rows)
+            marks = ",".join("?" * len(gone))
+            self._db.execute(f"UPDATE about SET died = ? WHERE id IN ({marks})", (generation + 1, *gone))
+        return rows[-1].id if gap.first else 0
+
+    def _placed(self, row: Row, born: int) -> Row:
+        """The row in a version of its place that is free."""
+        taken = {id_ for (id_,) in self._query("SELECT id FROM about WHERE id BETWEEN ? AND ?", row.id, row.id + VERSIONS - 1)}
+        version = next(each for each in range(VERSIONS) if row.id + each not in taken)
+        return msgspec.structs.replace(row, version=version, born=born)
