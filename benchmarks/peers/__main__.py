@@ -124,6 +124,11 @@ def main(words: list[str] | None = None) -> int:
         workloads = {size: Path(name, f"w{size}") for size in sizes}
         for size, folder in workloads.items():
             save(make(given.seed, size), folder)
+        without: dict[tuple[str, str], object] = {}
+        for system, variant in split:
+            offered = msgspec.structs.replace(load, outcomes=False)
+            found = child(system, variant, workloads[APART_EVENTS], fresh.fresh(variant), offered)
+            without[system, variant] = found["bytes_per_event"]
         for turn in range(given.rounds):
             for system, variant in systems:
                 offered = msgspec.structs.replace(load, window=SYSTEMS[system].window)
@@ -137,11 +142,6 @@ def main(words: list[str] | None = None) -> int:
             found = dict(killed(system, variant, workloads[size], fresh.fresh(variant), size, given.kills))
             crashes[system, variant] = found
             _say(f"SIGKILL: {system} {variant}: {found}")
-        without: dict[tuple[str, str], object] = {}
-        for system, variant in split:
-            offered = msgspec.structs.replace(load, outcomes=False)
-            found = child(system, variant, workloads[APART_EVENTS], fresh.fresh(variant), offered)
-            without[system, variant] = found["bytes_per_event"]
         if given.profile:
             system, variant = systems[0]
             _profile(system, variant, workloads[shares[system]], fresh, load, given.profile)

@@ -73,7 +73,7 @@ class WakefulLive:
         """Let the last limits pass, and what is still thinking come to its end."""
         await self._thought()
         self._at_ns += 2 * LIMIT_NS
-        await self._mind.tell(self._last)  # an outcome that is known changes nothing, but the mind looks at its clock
+        await self._mind.tell(self._last)  # what is known already changes nothing, but the mind looks at its clock
         while self._run.times.treated < len(self._run.times.came):
             await asyncio.sleep(0.001)
         await self._thought()
@@ -90,7 +90,8 @@ class WakefulLive:
             return asyncio.sleep(0)
         if isinstance(message, Evidence):
             self._run.times.read.setdefault(message.entity, came_ns)
-            return self._mind.tell(evidence(message))
+            self._last = evidence(message)
+            return self._mind.tell(self._last)
         self._last = outcome(message)
         return self._mind.tell(self._last)
 
