@@ -9,7 +9,7 @@ from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
 from wakeful.journal.sqlite import SqliteJournal
 from wakeful.journal.views import History
-from wakeful.learning.two_heads import TwoHeads
+from wakeful.learning.pooled import Pooled
 from wakeful.selection.explain import Contribution, contributions
 from wakeful.selection.features import Encoder
 from wakeful.treatments.registry import Registry
@@ -40,7 +40,7 @@ def weighed(journal: SqliteJournal, read: History, event: Event, decision: Decis
         raise CannotRecompute(f"the domain {spec.name} has version {spec.version} now, it was {opened.domain_version}")
     encoder = Encoder(spec, spec.treatments or Registry().names())
     try:
-        predictor = TwoHeads().load(journal.blob(card.blob))
+        predictor = Pooled().load(journal.blob(card.blob))
     except (ValueError, JournalError) as error:
         raise CannotRecompute(f"the weights of model version {card.version} are not there as they were: {error}") from error
     if predictor.typical.shape != (encoder.size,):

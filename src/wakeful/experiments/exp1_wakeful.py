@@ -8,7 +8,7 @@ from wakeful.experiments.exp1_events import events, spec
 from wakeful.experiments.exp1_methods import Choice, Trial
 from wakeful.experiments.worlds.service_events import TREATMENTS
 from wakeful.facts.inputs import TrainingJob
-from wakeful.learning.two_heads import TwoHeads
+from wakeful.learning.pooled import Pooled
 from wakeful.selection.selector import SelectionSettings, Selector
 
 #: Experiment 1 has no outcomes, so that the result head must not be asked for confidence, and no unfamiliar kinds of events.
@@ -17,7 +17,7 @@ GATE = SelectionSettings(result_confidence=0.0, novelty_limit=1.0)
 
 def wakeful(given: Trial, identity: bool = True) -> list[Choice]:
     """Learn from the training events, hold back the calibration events, decide for the test events, and ask as the gate says."""
-    learner = TwoHeads()
+    learner = Pooled()
     selector = Selector(spec(identity), TREATMENTS, learner, GATE)
     card, weights = learner.train(job_of(given, selector, identity))
     selector.use(card, weights)
@@ -38,10 +38,14 @@ def wakeful(given: Trial, identity: bool = True) -> list[Choice]:
 
 
 def job_of(given: Trial, selector: Selector, identity: bool = True) -> TrainingJob:
-    """The training as the kernel's learning room would make it: calibration events are the held-back rows."""
+    """The training as the kernel's learning room would make it: calibration events are the held-back rows, and the reasoner's
+    answers to them are validated."""
     learned, kept = events(given.world, "training", identity), events(given.world, "calibration", identity)
     n = len(learned) + len(kept)
     none = np.full(n, -1)
+    truth = np.array([TREATMENTS.index(event.truth_treatment or "") for event in (*learned, *kept)])
+    said = [given.advice.get(event.id, "") for event in (*learned, *kept)]
+    advised = np.array([TREATMENTS.index(name) if name in TREATMENTS else -1 for name in said])
     return TrainingJob(
         training=1,
         base_version=0,
@@ -52,9 +56,11 @@ def job_of(given: Trial, selector: Selector, identity: bool = True) -> TrainingJ
         treatments=TREATMENTS,
         labels=selector.spec.outcome.labels,
         features=np.stack([selector.encode(event) for event in (*learned, *kept)]),
-        treatment=np.array([TREATMENTS.index(event.truth_treatment or "") for event in (*learned, *kept)]),
+        treatment=truth,
         result=none,
         refuted=none,
         weight=np.ones(n),
         held_back=np.arange(n) >= len(learned),
+        right=np.concatenate([np.ones(len(learned), dtype=np.bool_), advised[len(learned) :] == truth[len(learned) :]]),
+        advised=advised,
     )

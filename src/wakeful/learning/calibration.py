@@ -19,6 +19,10 @@ POOLED: Final = "*"
 RESULT: Final = "@result"
 
 _EVEN_ROWS = 2.0
+_UNTESTED = 0.5
+"""What is expected of deliberation on doubtful events before any of its answers to such events has been validated."""
+_DOUBT = 1.0
+_SURE = 0.02
 _FEW = 8
 _FEW_OF_ONE = 20
 _DIGITS = 9
@@ -145,3 +149,32 @@ def choose_thresholds(
             doing = [(int(rows.sum()), needed) for needed, rows in passing_at.items() if may_do(rows)]
             thresholds[name] = max(doing, default=(0, NEVER))[1]
     return thresholds
+
+
+def expected_of_advice(marks: Marks, rows: Material, advised: Ints, treatments: tuple[str, ...]) -> dict[str, float]:
+    """How often deliberation is expected to be right where the model is in doubt, by the treatment that the model ranks first.
+
+    Asking pays where this exceeds the model's own confidence, and nowhere else. Learned from held-back rows on which
+    deliberation's answer was validated. A row counts as much as the model doubted it (a fiftieth at least): how the reasoner does
+    on easy events says little of those that it would be asked about. Each treatment's own rate is drawn towards that of all.
+
+    Args:
+        marks: how the held-back rows came out.
+        rows: what is known of them.
+        advised: the treatment that deliberation chose, (n,), or -1.
+        treatments: the names that ``marks.chosen`` and ``advised`` count.
+
+    Returns:
+        Rates by treatment, and ``*`` for all; empty where nothing was asked.
+    """
+    known = (advised >= 0) & (rows.treatment >= 0)
+    if not known.any():
+        return {}
+    right = (advised == rows.treatment)[known].astype(np.float64)
+    doubt = np.maximum(_SURE, 1.0 - marks.confidence[known])
+    pooled = (float((doubt * right).sum()) + _DOUBT * _UNTESTED) / (float(doubt.sum()) + _DOUBT)
+    rates = {POOLED: round(pooled, 6)}
+    for index, name in enumerate(treatments):
+        own = marks.chosen[known] == index
+        rates[name] = round((float((doubt * right)[own].sum()) + _DOUBT * pooled) / (float(doubt[own].sum()) + _DOUBT), 6)
+    return rates

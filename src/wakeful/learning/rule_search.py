@@ -71,7 +71,7 @@ class Search:
         a, k, most = settings.prior, len(classes), len(self._rows)
         self._seen = [lgamma(count + a) - lgamma(a) for count in range(most + 1)]
         self._total = [lgamma(k * a) - lgamma(count + k * a) for count in range(most + 1)]
-        self._evidence: dict[int, float] = {0: 0.0}
+        self._evidence: dict[int, float] = {0: _USELESS}
 
     def chain(self, seed: int) -> list[tuple[float, Listed]]:
         """The lists of one annealed chain, with their scores. The same seed gives the same lists."""
@@ -101,15 +101,13 @@ class Search:
 
     def likelihood(self, masks: tuple[int, ...], left: int) -> float:
         """The evidence of rules that speak in turn for the rows that are left. A rule that is never heard costs."""
-        total = 0.0
+        known, total = self._evidence, 0.0
         for mask in masks:
             own = left & mask
-            if own:
-                total += self._of(own)
-                left &= ~mask
-            else:
-                total += _USELESS
-        return total + self._of(left)
+            found = known.get(own)
+            total += self._of(own) if found is None else found
+            left ^= own
+        return total + self._of(left) if left else total
 
     def before(self, masks: tuple[int, ...]) -> tuple[float, int]:
         """The evidence of the first rules without what is left, and what is left."""
@@ -117,8 +115,8 @@ class Search:
         total = 0.0
         for mask in masks:
             own = left & mask
-            total += self._of(own) if own else _USELESS
-            left &= ~mask
+            total += self._of(own)
+            left ^= own
         return total, left
 
     def cost(self, rules: Listed) -> float:
@@ -153,6 +151,7 @@ class Search:
                     seen += self._seen[count]
             if len(self._evidence) > _REMEMBERED:
                 self._evidence.clear()
+                self._evidence[0] = _USELESS
             found = self._evidence[rows] = seen + self._total[total]
         return found
 
@@ -204,7 +203,7 @@ class _Chain:
             asked = {self._clauses.subject[clause] for clause in rule}
             candidates = [
                 clause
-                for clause in (*self._clauses.plain, *self._limited(12, row))
+                for clause in (*self._clauses.plain, *self._limited(8, row))
                 if self._clauses.bits[clause] >> row & 1 and self._clauses.subject[clause] not in asked
             ]
             if len(candidates) > 10 and random.random() < 0.5:
@@ -282,7 +281,7 @@ class _Chain:
         if len(rest) < _LONGEST:
             asked = {clauses.subject[clause] for clause in rest}
             limits = {clauses.same_limit(clause) for each in others for clause in each if clauses.limited[clause]}
-            for clause in (*clauses.plain, *self._limited(24)):
+            for clause in (*clauses.plain, *self._limited(12)):
                 covers = mask & clauses.bits[clause]
                 if clauses.subject[clause] not in asked and covers & left:
                     put((*rest, clause), covers, cost + self._settings.terse * search.naming(clause, limits))

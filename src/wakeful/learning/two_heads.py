@@ -10,7 +10,7 @@ import numpy as np
 from wakeful.contracts.learner import Predictor
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
-from wakeful.learning.calibration import choose_thresholds, mark
+from wakeful.learning.calibration import POOLED, choose_thresholds, expected_of_advice, mark
 from wakeful.learning.material import Flags, Floats, Material, material_of
 from wakeful.learning.model import Model, calibrated, continued, probabilities, restandardised
 from wakeful.learning.network import Fit, Shape, start, train
@@ -215,4 +215,11 @@ class TwoHeads:
         if not len(kept.x):
             return {}
         right = None if job.right is None else np.asarray(job.right, dtype=np.bool_)[held_back]
-        return choose_thresholds(mark(*shares, kept), job.treatments, self.settings.target_error, right)
+        marks = mark(*shares, kept)
+        thresholds = choose_thresholds(marks, job.treatments, self.settings.target_error, right)
+        if job.advised is None or not thresholds:
+            return thresholds
+        advised = np.asarray(job.advised, dtype=np.int64)[held_back]
+        rates = expected_of_advice(marks, kept, advised, job.treatments)
+        # Where deliberation is expected to do worse than the model's confidence, it is not asked.
+        return {**thresholds, **{name: min(thresholds.get(name, thresholds[POOLED]), rate) for name, rate in rates.items()}}
