@@ -72,15 +72,21 @@ def _spread(since: dict[str, int], until: dict[str, int]) -> list[float] | None:
 
 
 def _peak_mb() -> float:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    """The most that this process has held; ``ru_maxrss`` would tell of the parent that it was forked from too."""
+    found = _status("VmHWM:")
+    return found / 1024 if found is not None else resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def _threads() -> int:
+    return _status("Threads:") or threading.active_count()
+
+
+def _status(name: str) -> int | None:
     try:
-        status = Path("/proc/self/status").read_text()
+        lines = Path("/proc/self/status").read_text().splitlines()
     except OSError:
-        return threading.active_count()
-    return next((int(line.split()[1]) for line in status.splitlines() if line.startswith("Threads:")), 0)
+        return None
+    return next((int(line.split()[1]) for line in lines if line.startswith(name)), None)
 
 
 if __name__ == "__main__":
