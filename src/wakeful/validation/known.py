@@ -14,6 +14,7 @@ class KnownEvents:
     def __init__(self, keep: int) -> None:
         self._keep = keep
         self._events: dict[str, Event] = {}
+        self._since_ns: dict[str, int] = {}
         self._event_of: dict[int, str] = {}
         self._open_on: dict[str, int] = {}
         self._retired: deque[str] = deque()
@@ -22,9 +23,14 @@ class KnownEvents:
         """The event of that id; None where it is unknown or forgotten."""
         return self._events.get(event)
 
-    def admitted(self, event: Event) -> None:
-        """An event entered cognition."""
+    def since_ns(self, event: str) -> int:
+        """When it happened, in kernel time: by its source's clock as that stood when it came."""
+        return self._since_ns[event]
+
+    def admitted(self, event: Event, since_ns: int) -> None:
+        """An event entered cognition; ``since_ns`` is when it happened, in kernel time."""
         self._events[event.id] = event
+        self._since_ns[event.id] = since_ns
 
     def created(self, process: int, event: str) -> None:
         """A process is open on the event."""
@@ -44,3 +50,4 @@ class KnownEvents:
             oldest = self._retired.popleft()
             if oldest not in self._open_on:
                 self._events.pop(oldest, None)
+                self._since_ns.pop(oldest, None)

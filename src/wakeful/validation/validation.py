@@ -12,6 +12,7 @@ from wakeful.facts.lines import (
     GAP,
     Admitted,
     AnyRecord,
+    Compacted,
     Concluded,
     Created,
     Finished,
@@ -92,7 +93,7 @@ class Validation:
         """Take up one record of the journal, live and in recovery alike. Records that concern other rooms are passed over."""
         match record:
             case Admitted(event=event):
-                self._events.admitted(event)
+                self._events.admitted(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0))
             case Created(process=process, event=event_id):
                 self._events.created(process, event_id)
             case Moved(process=process, after=State.COMPLETED):
@@ -105,6 +106,8 @@ class Validation:
                 self._decide(record)
             case Gained(experience=experience) | Imported(experience=experience):
                 self._next_experience = max(self._next_experience, experience.id + 1)
+            case Compacted(experience=highest):
+                self._next_experience = max(self._next_experience, highest + 1)
             case Finished(source=source):
                 self._ended_ns[source] = at_ns
             case Opened(source=source, offset_ns=offset_ns):
@@ -204,7 +207,7 @@ class Validation:
 
     def covered(self, event: Event, process: int) -> None:
         """An event was admitted and a process is open on it, as ``apply`` would be told."""
-        self._events.admitted(event)
+        self._events.admitted(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0))
         self._events.created(process, event.id)
 
     def ran(self, burst: Ran, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
@@ -265,7 +268,7 @@ class Validation:
         if record.closes_ns is None or forecast is None or event is None or self._ledger.get(record.process) is not None:
             return
         forgotten_ns = self._witnesses.forgotten_ns
-        since_ns = event.stamp.source_ns + self._offset_ns.get(event.source, 0)
+        since_ns = self._events.since_ns(event.id)
         self._made += 1
         self._ledger.open(
             Entry(
