@@ -17,7 +17,7 @@ from benchmarks.chaos.ledger import Known, Ledger, Witness
 from benchmarks.chaos.plan import End, Plan
 from benchmarks.chaos.script import SOURCE, Script, write
 from wakeful.contracts.bridge import Item
-from wakeful.contracts.journal import JournalError
+from wakeful.contracts.journal import Journal, JournalError
 from wakeful.contracts.policy import Policy
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.deliberation.breaker import Breaker
@@ -30,11 +30,12 @@ from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.drivers.spending import spent
 from wakeful.facts.asking import Question, Reply
 from wakeful.facts.inputs import Act
-from wakeful.facts.lines import Finished
+from wakeful.facts.lines import Finished, Line
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import to_ns, to_s
 from wakeful.journal.audit import audit
 from wakeful.journal.export import exported
+from wakeful.journal.memory import MemoryJournal
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 from wakeful.kernel import Kernel
 from wakeful.scheduling.policies.deadline_aware import DeadlineAware, DeadlineAwareSettings
@@ -74,7 +75,7 @@ class Report(msgspec.Struct, kw_only=True):
     calls: int
     asked: int
     wrong: list[str]
-    export: bytes
+    export: list[Line]
 
     @property
     def failed(self) -> bool:
@@ -82,23 +83,23 @@ class Report(msgspec.Struct, kw_only=True):
         return bool(self.lost or self.repeated or self.stranded or self.uncovered or self.overspent or self.wrong)
 
 
-def play(plan: Plan, journal: Path) -> Report:
+def play(plan: Plan, journal: Path | None) -> Report:
     """Play a plan on a journal that is not there yet.
 
     Args:
         plan: what happens.
-        journal: the file; it stays, for whoever looks closer.
+        journal: the file; it stays, for whoever looks closer. None: in memory and unchecked, to compare with; no life may end.
     """
     return _Episode(plan, journal).play()
 
 
 class _Episode:
-    def __init__(self, plan: Plan, journal: Path) -> None:
+    def __init__(self, plan: Plan, journal: Path | None) -> None:
         self.plan = plan
         self.path = journal
         self.script: Script = write(plan)
         self.ledger = Ledger()
-        self.outside = Outside(self.ledger.does)
+        self.registry = registry(Outside(self.ledger.does))
         self.domain = domain()
         self.kernel: Kernel | None = None
         self.reasoner = FaultyReasoner(right, plan.manners, plan.seed, self._now_s)
@@ -143,13 +144,13 @@ class _Episode:
             disk.fail(end.fault, after_writes=end.nth)
         try:
             with self._dying(end, disk):
-                inner = open_journal(self.path, vfs=disk.name if disk is not None else None)
+                inner = self._opened(disk)
                 try:
                     failing = end.nth if end is not None and end.how == "commit" else 0
                     journal = Witness(inner, self.ledger, failing)
                     driver = self._driver(journal)
                     try:
-                        if self.plan.seed % AUDITED == 0:
+                        if self.plan.seed % AUDITED == 0 and isinstance(inner, SqliteJournal):
                             self._check(inner)
                         self._think(driver)
                     finally:
@@ -162,23 +163,28 @@ class _Episode:
                 gc.collect(0)  # a connection that was being opened is closed before its files are put back
                 disk.restore_power(end.survival)
 
+    def _opened(self, disk: FaultyDisk | None) -> Journal:
+        if self.path is None:
+            return MemoryJournal()
+        return open_journal(self.path, vfs=disk.name if disk is not None else None)
+
     def _driver(self, journal: Witness) -> SimulatedDriver:
         plan = self.plan
         settings = MindSettings(slots=plan.slots, reasoner_slots=plan.reasoner_slots, step_s=plan.step_s, seed=plan.seed)
         thinker = self._thinker()
-        self.kernel, learner = assemble(self.domain, settings, registry=registry(self.outside), policy=_policy(plan))
+        self.kernel, learner = assemble(self.domain, settings, registry=self.registry, policy=_policy(plan))
         return SimulatedDriver(self.kernel, journal, thinker, learner)
 
     def _thinker(self) -> Reasoner:
         """The reasoner as this life knows it: where there is a budget, guarded, charged with what the journal tells."""
         if self.plan.budget is None:
             return self.reasoner
-        budget = Budget(None, self.plan.budget, at_most(spent(self.ledger.lines, self.reasoner.name, self.plan.reasoner_slots)))
+        budget = Budget(None, self.plan.budget, at_most(spent(self.ledger.known, self.reasoner.name, self.plan.reasoner_slots)))
         permit = Permit(budget, RateLimit(None, self._now_s), Breaker(4, 30.0, self._now_s))
         return _Guarded(self.reasoner, GuardedReasoner(self.reasoner, permit, deadline_s=30.0))
 
     def _think(self, driver: SimulatedDriver) -> None:
-        readings = sum(isinstance(line.record, Finished) for line in self.ledger.lines)
+        readings = sum(isinstance(line.record, Finished) for line in self.ledger.known)
         if readings == 0:
             known = driver.kernel.source(SOURCE)
             self._act(driver, -1 if known is None else known.cursor)
@@ -191,7 +197,7 @@ class _Episode:
         holds = [act for acts in self.script.acts.values() for act in acts if act.act == "hold"]
         releases = [Act(who="ana", act="release", process=act.process, why="over", id=f"over {act.id}") for act in holds]
         driver.put(list(releases), driver.kernel.now_ns)
-        over_ns = max(line.at_ns for line in self.ledger.lines if isinstance(line.record, Finished))
+        over_ns = max(line.at_ns for line in self.ledger.known if isinstance(line.record, Finished))
         for turn in range(MOST_TURNS):
             driver.put([], over_ns + to_ns(AFTERWARDS_S + turn * TURN_S))
             if not len(driver.kernel._scheduler.processes):
@@ -214,11 +220,12 @@ class _Episode:
             self.wrong.append(f"audit in life {self.lives}: {'; '.join(bad)}")
 
     def _report(self) -> Report:
-        with open_journal(self.path) as journal:
-            self.ledger.reopened(list(journal.lines()))
-            self._check(journal)
-            export = b"\n".join(msgspec.json.encode(line) for line in exported(Known(self.ledger, journal), stable=True))
-        holes = uncovered(self.ledger.lines, self.ledger.commits)
+        holes: list[str] = []
+        if self.path is not None:
+            with open_journal(self.path) as journal:
+                self.ledger.reopened(list(journal.lines()))
+                self._check(journal)
+            holes = uncovered(self.ledger.known, self.ledger.commits)
         self.wrong += holes[:3]
         processes = self.kernel._scheduler.processes if self.kernel is not None else ()
         overspent = max(0, self.reasoner.made - self.plan.budget) if self.plan.budget is not None else 0
@@ -234,7 +241,7 @@ class _Episode:
             calls=self.ledger.calls,
             asked=self.reasoner.made,
             wrong=self.wrong,
-            export=export,
+            export=list(exported(self.ledger, stable=True)),
         )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 
 from wakeful.contracts.journal import Journal, JournalError
 from wakeful.facts.asking import Kind, Safety
@@ -26,10 +25,14 @@ class Ledger:
         self.in_doubt = 0
         self.calls = 0
         self.commits: list[int] = []
-        self.lines: list[Line] = []
+        self.known: list[Line] = []
         self._attempted: list[Line] = []
         self._event_of: dict[int, str] = {}
         self._intended: dict[tuple[str, str], dict[tuple[int, int], int]] = {}
+
+    def lines(self, after: int = 0) -> Iterator[Line]:
+        """All that stands in the journal, as far as is known."""
+        return iter(self.known[after:])
 
     def attempt(self, lines: Sequence[Line]) -> None:
         """A commit is about to be tried: from now on its lines may be there."""
@@ -41,18 +44,18 @@ class Ledger:
 
     def reopened(self, found: Sequence[Line]) -> None:
         """The journal was opened again: all that was acknowledged must be there, and nothing that was never tried."""
-        known = len(self.lines)
-        self.lost += sum(before != now for before, now in zip(self.lines, found, strict=False))
+        known = len(self.known)
+        self.lost += sum(before != now for before, now in zip(self.known, found, strict=False))
         self.lost += max(0, known - len(found))
         more = list(found[known:])
         if more and more != self._attempted:
             self.lost += 1
-        self.lines = list(found[:known])
+        self.known = list(found[:known])
         self._take(more)
 
     def _take(self, lines: Sequence[Line]) -> None:
         self._attempted = []
-        self.lines.extend(lines)
+        self.known.extend(lines)
         if lines:
             self.commits.append(lines[-1].position)
         for line in lines:
@@ -85,23 +88,14 @@ class Known:
     """A journal that is open, its lines as the ledger knows them to stand in the file: nothing is read twice."""
 
     def __init__(self, ledger: Ledger, journal: SqliteJournal) -> None:
-        self._ledger = ledger
-        self._journal = journal
+        self._known = ledger.known
+        self.state = journal.state
+        self.blob = journal.blob
+        self.commits = journal.commits
+        self.snapshot = journal.snapshot
 
     def lines(self, after: int = 0) -> Iterator[Line]:
-        return iter(self._ledger.lines[after:])
-
-    def state(self) -> dict[str, bytes]:
-        return self._journal.state()
-
-    def blob(self, name: str) -> bytes:
-        return self._journal.blob(name)
-
-    def commits(self) -> Iterator[int]:
-        return self._journal.commits()
-
-    def snapshot(self) -> AbstractContextManager[None]:
-        return self._journal.snapshot()
+        return iter(self._known[after:])
 
 
 class Witness:
