@@ -27,3 +27,13 @@ def test_a_treatment_whose_trust_never_changed_has_a_number_too(wakeful: Wakeful
     assert (rows["planning"]["trust"], rows["planning"]["began"]) == (RevisionSettings().initial, True)
     assert rows["diagnosis"]["began"] is False
     assert f"planning\t{RevisionSettings().initial:.3f}\t" in wakeful("trust", "--journal", journal).stdout
+
+
+def test_trust_says_what_makes_each_treatment_automatic_and_what_it_lacks(wakeful: Wakeful, journal: Path) -> None:
+    rows = {row["treatment"]: row for row in json.loads(wakeful("trust", "--journal", journal, "--json").stdout)}
+    for row in rows.values():
+        assert "confidence of at least" in row["criterion"]
+        assert row["automatic"] is (row["lacking"] == "")
+    text = wakeful("trust", "--journal", journal).stdout
+    assert "What makes a treatment automatic" in text
+    assert "planning: confidence of at least" in text
