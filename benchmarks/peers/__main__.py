@@ -25,7 +25,7 @@ import msgspec
 from benchmarks.peers import postgres
 from benchmarks.peers.crashes import ROOT, killed
 from benchmarks.peers.profiled import draw, floor_stages
-from benchmarks.peers.report import Found, apart, row_of, stages, table
+from benchmarks.peers.report import Found, apart, assembled, row_of, stages, table
 from benchmarks.peers.running import Load
 from benchmarks.peers.systems import SYSTEMS
 from benchmarks.peers.workload import make, save
@@ -152,7 +152,7 @@ def main(words: list[str] | None = None) -> int:
     if given.json:
         print(json.dumps(rows))
     else:
-        print(table(rows), apart(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
+        print(table(rows), apart(rows), assembled(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
     return 0 if all(row["right"] for row in rows) else 1
 
 

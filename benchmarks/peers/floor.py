@@ -125,8 +125,12 @@ class File:
 
 
 def measured(run: Run) -> dict[str, dict[str, float]]:
-    """CPU microseconds per event of each stage and implementation; the least of three passes, taken by turns."""
-    messages, window = run.messages, run.load.window
+    """CPU microseconds per event of each stage and implementation; the least of three passes, taken by turns.
+
+    Batches are those of the load: windows, or what comes within a group's time at its rate.
+    """
+    messages, load = run.messages, run.load
+    window = max(1, round(2.2 * load.rate * load.group_s)) if load.rate else load.window
     batches = [messages[begin : begin + window] for begin in range(0, len(messages), window)]
     decoded = [decode_each(batch) for batch in batches]
     events = [[each for each in batch if type(each) is Event] for batch in decoded]

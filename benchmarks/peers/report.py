@@ -75,6 +75,12 @@ def table(rows: list[Found]) -> str:
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)
 
 
+def assembled(rows: list[Found]) -> str:
+    """The floor's stages put together to a program: what its sum leaves out is what holds them together."""
+    found = [row for row in rows if "assembled_us" in row]
+    return "\n".join(f"the floor's stages as one program: {_shown(row['assembled_us'])} µs of CPU an event" for row in found)
+
+
 def apart(rows: list[Found]) -> str:
     """What outcomes take of wakeful's journal."""
     found = [row for row in rows if row.get("bytes_without_outcomes")]
