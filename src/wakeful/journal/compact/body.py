@@ -22,11 +22,25 @@ PLAIN, SQUEEZED = 0, 1
 #: What a body may be broken by: whoever reads one says where it stands.
 BROKEN = (msgspec.DecodeError, msgspec.ValidationError, UnknownWord, UnknownField, ValueError, TypeError, KeyError, IndexError)
 
+#: So much a squeezed body may hold: a file from somebody else may claim terabytes.
+_LARGEST_BYTES = 256_000_000
+
 #: The tag of a line that msgpack cannot say (an integer of more than 64 bits): its record is JSON.
 _JSON = "json"
 
 _BURSTS: tuple[type, ...] = get_args(AnyBurst)
 _RECORDS: tuple[type, ...] = get_args(AnyRecord)
+
+
+def _unsqueezed(body: bytes) -> bytes:
+    stream = zlib.decompressobj()
+    try:
+        content = stream.decompress(body, _LARGEST_BYTES)
+    except zlib.error as error:
+        raise ValueError(str(error)) from error
+    if not stream.eof:
+        raise ValueError(f"it ends in the middle, or holds more than {_LARGEST_BYTES:,} bytes")
+    return content
 
 
 class BodyWriter:
@@ -87,7 +101,7 @@ class BodyReader:
         Raises:
             BROKEN: it is no body, or names what is not there.
         """
-        schema, *plain = self._decode(zlib.decompress(body) if form == SQUEEZED else body)
+        schema, *plain = self._decode(_unsqueezed(body) if form == SQUEEZED else body)
         coders = self._coders.get(schema) or self._learn(schema)
         at_ns = 0
         for tag, since_ns, said in plain:
