@@ -93,10 +93,10 @@ def draw(seed: int) -> Plan:
     random = Random(f"chaos {seed}")
     disturbed = random.random() < 0.9
     by_the_clock = random.random() < 0.25
-    long = random.random() < 0.1
+    long = random.random() < 0.05
     return Plan(
         seed=seed,
-        events=random.choice((30, 40)) if long else random.choice((6, 8, 10, 12, 16, 20)),
+        events=random.choice((24, 30)) if long else random.choice((3, 4, 5, 6, 8, 10, 12)),
         gap_s=random.choice((0.0, 0.2, 1.0, 4.0)),
         ends=_ends(random, disturbed, long),
         manners=Manners.drawn(random, by_the_clock=by_the_clock),
@@ -107,7 +107,7 @@ def draw(seed: int) -> Plan:
         ),
         acts=random.random() < 0.25,
         rereads=random.random() < 0.2,
-        outcomes=1.0 if long else random.choice((0.2, 0.5)),
+        outcomes=1.0 if long else random.choice((0.2, 0.4)),
         slots=random.choice((1, 1, 2, 4)),
         reasoner_slots=random.choice((0, 1, 2)),
         step_s=random.choice((0.0, 0.02, 0.1, 0.5)),
