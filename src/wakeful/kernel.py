@@ -338,8 +338,9 @@ class Kernel:
         return made if self._guarantee is None else self._guarantee.hold(decision, made)
 
     def _contested(self, event: Event) -> bool:
-        """Whether an event like it was contradicted, so that memory is asked whatever the model says."""
-        return self._exemplars.any_contested and self._exemplars.contested(self._selector.encode(event))
+        """Whether memory holds otherwise than the model of events like it, so that it is asked however sure the model is."""
+        predictor = self._selector.predictor
+        return self._exemplars.disputes(predictor) and self._exemplars.contested(self._selector.encode(event), predictor)
 
     def _nearest(self, event: Event, seen: Seen | None) -> tuple[int, ...]:
         """The experiences that a decision rests on: of the event's cell, where the model has cells, else the likest of all."""

@@ -82,13 +82,12 @@ def test_noise_that_ended_is_forgotten() -> None:
     assert common.noise < 0.1 < before
 
 
-def test_a_forecast_counts_at_first_no_further_than_it_is_allowed_to() -> None:
-    common = Repeatability()
+def test_a_sure_forecast_is_overruled_by_one_validation_where_these_have_proved_reliable_and_else_not() -> None:
     sure = np.array([0.95, 0.05])
-    free, held = Belief(sure, 0), Belief(sure, 0, lean=0.2)
-    for belief in (free, held):
-        belief.learn(1, 1, common)
-    assert held.shares(2, common)[1] > 0.75 > free.shares(2, common)[1]
+    for common, overruled in ((noisy(0.0), True), (noisy(0.2), False)):
+        belief = Belief(sure, 1000)
+        belief.learn(1, 1001, common)
+        assert bool(belief.shares(1002, common)[1] > 0.5) is overruled
 
 
 def test_forecasts_that_are_contradicted_now_and_then_tell_of_noise() -> None:

@@ -19,7 +19,7 @@ OUTCOME_CONFIDENCE = 0.55
 """What the heads need for automatic processing."""
 CORRECTIVE_WEIGHT = 2.3
 """What an experience weighs that corrected what had been concluded."""
-BATCH = 40
+BATCH = 64
 PRETRAINING_EPOCHS, UPDATE_EPOCHS = 140, 35
 """Section IV-A."""
 ONE_TREATMENT = {"item": "description", "obstacle": "planning", "device": "description", "unknown": "analogy"}

@@ -65,12 +65,10 @@ class Belief:
     Args:
         first: what is thought of it before anything was told, (k,).
         at: the number of the experience before which that holds.
-        lean: how far ``first`` counts at most in what is held; how well it foretells tells of noise all the same.
     """
 
-    def __init__(self, first: Floats, at: int, lean: float = 1.0) -> None:
+    def __init__(self, first: Floats, at: int) -> None:
         self._p: Floats = np.tile(first, (len(_NOISE), 1))
-        self._lean = lean
         self._own: Floats = np.zeros(len(_NOISE))
         self._at = at
         self.told = 0
@@ -80,12 +78,9 @@ class Belief:
         p, k = self._aged(at), self._p.shape[1]
         likely = np.full((len(_NOISE), k), (_NOISE / max(1, k - 1))[:, None])
         likely[:, value] = 1.0 - _NOISE
-        common.learn((p * likely).sum(axis=1))
-        if not self.told:
-            even = 1.0 / k
-            p = even + (p - even) * self._lean
         joint = p * likely
         chances = joint.sum(axis=1)
+        common.learn(chances)
         self._p = joint / chances[:, None]
         self._own += np.log(chances)
         self._at = at

@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from wakeful.contracts.learner import Predictor, Vector
+from wakeful.contracts.learner import Predictor, RowPredictor, Vector
 from wakeful.facts.choices import Choice
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
@@ -27,8 +27,6 @@ LIKE_ENOUGH: Final = 0.6
 """How alike two events must be that agree in every category: 1 less what the model's forecasts for them differ by."""
 CLOSE: Final = 1e-3
 """Numbers that differ by no more are the same, model or not."""
-LEAN: Final = 0.6
-"""How far a model's forecast counts before the first validation: no further, since it may be what has to be corrected."""
 AT_MOST: Final = 0.95
 """No forecast is held to be surer than this: a model that is wrong must not look like an outcome that was told wrongly."""
 
@@ -53,6 +51,9 @@ class _Exemplar(msgspec.Struct):
     treatment: Belief
     label: Belief
     estimate: tuple[object, Vector] | None = None
+    """A model version, and what its two heads say of it."""
+    held: tuple[int, int] = (-1, -1)
+    """The treatment and the outcome that are believed, -1 where nothing was told."""
 
 
 class Exemplars:
@@ -76,12 +77,12 @@ class Exemplars:
         self.treatment_repeats, self.label_repeats = Repeatability(), Repeatability()
         self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
         self._like: dict[bytes, list[int]] = {}
-        self._contradicted: set[int] = set()
-        self._contested: set[bytes] = set()
         self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._decided: OrderedDict[int, tuple[int, tuple[float, ...]]] = OrderedDict()
         self._taught: OrderedDict[int, int] = OrderedDict()
         self._now = 0
+        self._reviewed: Predictor | None = None
+        self._watched: set[bytes] = set()
 
     def __len__(self) -> int:
         return len(self._exemplars)
@@ -121,10 +122,11 @@ class Exemplars:
             confirmed=any(told.treatment == right and told.label in (-1, int(labels.argmax())) for told in exemplar.told),
         )
 
-    @property
-    def any_contested(self) -> bool:
-        """Whether anything that is remembered was contradicted."""
-        return bool(self._contested)
+    def disputes(self, predictor: Predictor | None) -> bool:
+        """Whether memory may hold otherwise than the model version in use of anything at all: mostly not, and said at once."""
+        if predictor is not self._reviewed:
+            self._review(predictor)
+        return bool(self._watched)
 
     def covered(self, process: int, choice: Choice) -> None:
         """Take up an automatic decision by a model, as ``apply`` of its Decided does."""
@@ -146,9 +148,18 @@ class Exemplars:
         else:
             self.learn(experience, self._encode(event), recalled, prior)
 
-    def contested(self, features: Vector) -> bool:
-        """Whether an event of the same categories was contradicted: then memory is to be asked whatever the model says."""
-        return bool(self._contested) and self._pattern(features) in self._contested
+    def contested(self, features: Vector, predictor: Predictor | None) -> bool:
+        """Whether memory holds otherwise than the model of some event of the same categories: then it is to be asked, however
+        sure the model is."""
+        if predictor is None:
+            return True
+        pattern = self._pattern(features)
+        if not self.disputes(predictor) or pattern not in self._watched:
+            return False
+        if any(self._differs(self._exemplars[each], predictor) for each in self._like.get(pattern, ())):
+            return True
+        self._watched.discard(pattern)
+        return False
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
         """Take up a record; all but Decided and Gained are passed over, and Gained where its event is no longer known."""
@@ -190,15 +201,13 @@ class Exemplars:
         else:
             self._teach(exemplar, told, self.treatment_repeats, self.label_repeats)
             exemplar.told.append(told)
-        if experience.verdict is Verdict.CONTRADICTED:
-            self._contradicted.add(exemplar.id)
-            self._contested.add(self._pattern(exemplar.features))
         self._taught[told.process] = exemplar.id
         if len(self._taught) > _PENDING:
             self._taught.popitem(last=False)
         if not np.array_equal(exemplar.features, features):
             exemplar.features, exemplar.estimate = features.copy(), None
         self._exemplars.move_to_end(exemplar.id)
+        self._watched.add(self._pattern(features))
         del exemplar.told[:-_TOLD]
 
     def _known(self, experience: Experience, prior: tuple[float, ...]) -> None:
@@ -208,11 +217,25 @@ class Exemplars:
         if label >= 0:
             self.label_repeats.foretold(min(max(prior[label], 1.0 - AT_MOST), AT_MOST), len(self.labels))
 
+    def _review(self, predictor: Predictor | None) -> None:
+        """Another model version is in use: what it says is compared at once where that is cheap, else as events come."""
+        self._reviewed = predictor
+        self._watched = set(self._like)
+        if isinstance(predictor, RowPredictor) and self._exemplars:
+            rows = predictor.estimate_rows(np.stack([each.features for each in self._exemplars.values()]))
+            for each, heads in zip(self._exemplars.values(), np.hstack([rows.treatments, rows.labels]), strict=True):
+                each.estimate = (predictor, heads)
+            self._watched = {self._pattern(each.features) for each in self._exemplars.values() if self._differs(each, predictor)}
+
     def _teach(self, exemplar: _Exemplar, told: _Told, treatments: Repeatability, labels: Repeatability) -> None:
         if told.treatment >= 0:
             exemplar.treatment.learn(told.treatment, told.id, treatments)
         if told.label >= 0:
             exemplar.label.learn(told.label, told.id, labels)
+        exemplar.held = (
+            int(exemplar.treatment.shares(told.id, treatments).argmax()) if exemplar.treatment.told else -1,
+            int(exemplar.label.shares(told.id, labels).argmax()) if exemplar.label.told else -1,
+        )
 
     def _again(self, exemplar: _Exemplar, told: _Told) -> None:
         exemplar.told = [told if one.process == told.process else one for one in exemplar.told]
@@ -237,7 +260,7 @@ class Exemplars:
         exemplar.treatment = Belief(np.full(len(self.treatments), 1.0 / len(self.treatments)), told.id)
         even = 1.0 / len(self.labels)
         first = np.clip(told.first, 1.0 - AT_MOST, AT_MOST) if told.first else np.full(len(self.labels), even)
-        exemplar.label = Belief(first, told.id, lean=LEAN)
+        exemplar.label = Belief(first, told.id)
 
     def _same(self, features: Vector) -> _Exemplar | None:
         alike = self._alike(features, None)
@@ -253,10 +276,8 @@ class Exemplars:
                 found.append((1.0, exemplar))
             elif predictor is not None:
                 own = self._heads(predictor, features) if own is None else own
-                if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
-                    exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
                 # Half the sum of both heads' differences: no less than the greater of their total variations.
-                likeness = round(1.0 - 0.5 * float(np.abs(own - exemplar.estimate[1]).sum()), _DIGITS)
+                likeness = round(1.0 - 0.5 * float(np.abs(own - self._foreseen(exemplar, predictor)).sum()), _DIGITS)
                 if likeness >= LIKE_ENOUGH:
                     found.append((likeness, exemplar))
         return sorted(found, key=lambda pair: (-pair[0], -pair[1].id))
@@ -267,6 +288,19 @@ class Exemplars:
         whole = _Exemplar(told[0].id, alike[0].features, told, Belief(np.ones(1), 0), Belief(np.ones(1), 0))
         self._replay(whole)
         return whole
+
+    def _foreseen(self, exemplar: _Exemplar, predictor: Predictor) -> Vector:
+        if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
+            exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
+        return exemplar.estimate[1]
+
+    def _differs(self, exemplar: _Exemplar, predictor: Predictor) -> bool:
+        """Whether the model says otherwise of the exemplar itself than what is believed of it."""
+        heads, cut = self._foreseen(exemplar, predictor), len(predictor.treatments)
+        treatment, label = exemplar.held
+        return (treatment >= 0 and predictor.treatments[int(heads[:cut].argmax())] != self.treatments[treatment]) or (
+            label >= 0 and predictor.labels[int(heads[cut:].argmax())] != self.labels[label]
+        )
 
     def _heads(self, predictor: Predictor, features: Vector) -> Vector:
         estimate = predictor.estimate(features)
@@ -280,7 +314,7 @@ class Exemplars:
         elif (numeric & ~self._numeric).any():
             self._numeric = self._numeric | numeric
             self._like = {}
-            self._contested = {self._pattern(self._exemplars[each].features) for each in self._contradicted}
+            self._reviewed = None
             for exemplar in self._exemplars.values():
                 self._like.setdefault(self._pattern(exemplar.features), []).append(exemplar.id)
 
@@ -290,11 +324,9 @@ class Exemplars:
     def _forget(self, identity: int) -> None:
         gone = self._exemplars.pop(identity)
         pattern = self._pattern(gone.features)
-        self._contradicted.discard(identity)
         left = [each for each in self._like.get(pattern, ()) if each != identity]
         if left:
             self._like[pattern] = left
         else:
             self._like.pop(pattern, None)
-        if not self._contradicted.intersection(left):
-            self._contested.discard(pattern)
+            self._watched.discard(pattern)

@@ -175,7 +175,7 @@ class _Drawing:
             copies += [self._again(met) for _ in range(each.old)]
             copies += [self._again(msgspec.structs.replace(met, outcome=1 - met.outcome)) for _ in range(each.new)]
         random = self._random(2)
-        rest = [self._familiar(random) for _ in range(PRETRAINING - len(copies))]
+        rest = self._balanced(random, PRETRAINING - len(copies))
         places = set(random.permutation(PRETRAINING)[: len(copies)].tolist())
         pretraining = tuple((copies if place in places else rest).pop(0) for place in range(PRETRAINING))
         return DriftWorld(
