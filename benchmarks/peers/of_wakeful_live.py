@@ -7,9 +7,9 @@ from collections.abc import Coroutine
 
 from benchmarks.peers.drafting import draft
 from benchmarks.peers.learned import DOMAIN
-from benchmarks.peers.messages import Event, Evidence, Tick, decode
+from benchmarks.peers.messages import AnyMessage, Event, Evidence, Tick, decode
 from benchmarks.peers.of_wakeful import SOURCE, Fixed, evidence, finals_of, outcome, prepare, registry
-from benchmarks.peers.running import Run, size_of
+from benchmarks.peers.running import Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_NS
 from wakeful import LiveDriver
 from wakeful.contracts.journal import Journal
@@ -54,13 +54,21 @@ class WakefulLive:
         offered: list[asyncio.Task[None]] = []
         async with self._mind:
             for came, texts in self._run.windows(sleep=False):
-                handing = [self._hand(text, came_ns) for came_ns, text in zip(came, texts, strict=True)]
+                handing: list[Coroutine[None, None, None]] = []
+                later_ns = 0
+                for came_ns, text in zip(came, texts, strict=True):
+                    message = decode(text)
+                    if not open_loop and message.at_ns > self._at_ns + LIMIT_NS // 2:
+                        await self._taken(handing)  # no limit passes between two messages that are handed over together
+                        handing, later_ns = [], now_ns()
+                        self._at_ns = message.at_ns
+                    handing.append(self._hand(message, max(came_ns, later_ns)))
                 if open_loop:
+                    self._at_ns = message.at_ns if texts else self._at_ns
                     offered += [asyncio.create_task(each) for each in handing]
                     await asyncio.sleep(self._run.load.group_s / 2)
                 else:
-                    await asyncio.gather(*handing)
-                    await self._thought()
+                    await self._taken(handing)
             await asyncio.gather(*offered)
             await self._settle()
 
@@ -78,9 +86,11 @@ class WakefulLive:
             await asyncio.sleep(0.001)
         await self._thought()
 
-    def _hand(self, text: bytes, came_ns: int) -> Coroutine[None, None, None]:
-        message = decode(text)
-        self._at_ns = message.at_ns
+    async def _taken(self, handing: list[Coroutine[None, None, None]]) -> None:
+        await asyncio.gather(*handing)
+        await self._thought()
+
+    def _hand(self, message: AnyMessage, came_ns: int) -> Coroutine[None, None, None]:
         if isinstance(message, Event):
             if message.entity in self._run.acknowledged:  # in an earlier life
                 return asyncio.sleep(0)
