@@ -93,14 +93,17 @@ def test_while_the_reasoner_is_down_it_is_asked_once_after_pauses_that_double_up
     story = Story()
     story.refused("first", 3)
     story.refused("second")
-    began_s = []
+    began_s, asked = [], []
     for _ in range(9):
         process = story.repays()
         began_s.append(round(story.now_ns / 1e9))
+        asked.append(story.event_of[process])
         assert story.debts.next_due_ns() is None, "one question at a time"
         story.asks(process, answered=False)
     pauses = [later - earlier for earlier, later in itertools.pairwise(began_s)]
     assert pauses == [120, 240, 480, 960, 1920, LONGEST_PAUSE_S, LONGEST_PAUSE_S, LONGEST_PAUSE_S]
+    assert asked[:4] == ["first", "second", "first", "second"], "by turns: one may be refused for a reason of its own"
+    story.asks(story.meets("another"), answered=True)
     assert story.event_of[story.repays()] == "first", "a refusal by a reasoner that is down says nothing about the event"
 
 

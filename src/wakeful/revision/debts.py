@@ -28,6 +28,8 @@ class Debt(msgspec.Struct, kw_only=True):
     since_ns: int
     tries: int = 0
     """How often its repayment was refused although the reasoner answered others."""
+    passes: int = 0
+    """How often it was asked about while the reasoner did not answer: then the next one is, until somebody is answered."""
     under_way: int = 0
     """The process that repays it; 0: none."""
 
@@ -42,8 +44,9 @@ class Debts:
     """Who is owed a better treatment, and when the next one is given it. A fold over records, live and in recovery alike.
 
     A refused question begins a pause of ``pause_s``, twice as long after each further one, at most LONGEST_PAUSE_S. After it the
-    riskiest debt is reopened: where that is answered, the others follow, the most critical first, then the oldest, at most
-    AT_ONCE at a time and one each ``every_s``.
+    riskiest debt is reopened, after the next pause the next: one question that is always refused must not hide that the others
+    would be answered. Where one is answered, all follow, the most critical first, then the oldest, at most AT_ONCE at a time
+    and one each ``every_s``.
 
     Args:
         pause_s: the first pause; 0: nothing is repaid.
@@ -107,10 +110,13 @@ class Debts:
 
     def _riskiest(self) -> Debt | None:
         waiting = (debt for debt in self._debts.values() if not debt.under_way)
-        return min(waiting, key=lambda debt: (debt.tries, -debt.criticality, debt.since_ns, debt.process), default=None)
+        return min(waiting, key=_place, default=None)
 
     def _answered(self, record: Answered, now_ns: int) -> None:
         if not record.error:
+            if not self._answers:
+                for each in self._debts.values():
+                    each.passes = 0
             self._answers = True
             self._pause_ns = self._first_pause_ns
             self._next_ns = min(self._next_ns, now_ns + self._every_ns)
@@ -121,6 +127,7 @@ class Debts:
         debt = self._debts.get(self._under_way.get(record.process, ""))
         if debt is not None:
             debt.tries += self._answers
+            debt.passes += not self._answers
         if not self._answers and debt is not None:
             self._pause_ns = min(2 * self._pause_ns, to_ns(LONGEST_PAUSE_S))
         self._answers = False
@@ -133,9 +140,11 @@ class Debts:
         before = self._end(root.event)
         if record.mode != "fallback" or not root.refused:
             return
-        tries = before.tries if before is not None else 0
-        if tries < TRIES:
-            since_ns = before.since_ns if before is not None else now_ns
-            self._debts[root.event] = Debt(
-                event=root.event, process=record.process, criticality=root.criticality, since_ns=since_ns, tries=tries
-            )
+        debt = before or Debt(event=root.event, process=0, criticality=root.criticality, since_ns=now_ns)
+        debt.process, debt.under_way = record.process, 0
+        if debt.tries < TRIES:
+            self._debts[root.event] = debt
+
+
+def _place(debt: Debt) -> tuple[int, int, int, int]:
+    return debt.tries + debt.passes, -debt.criticality, debt.since_ns, debt.process
