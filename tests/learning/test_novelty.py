@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -43,3 +44,15 @@ def test_a_cover_is_of_different_rows_and_of_no_more_than_asked(rows: int, limit
     chosen = cover(np.random.default_rng(seed).normal(size=(rows, 3)), limit)
     assert len(set(chosen)) == len(chosen) == min(rows, limit)
     assert chosen == sorted(chosen)
+
+
+@pytest.mark.parametrize("rate", [0.05, 0.1, 0.2])
+def test_as_many_familiar_events_are_taken_for_unfamiliar_ones_as_the_rate_allows(rate: float) -> None:
+    """Held-back and new events are exchangeable, so that the rank of a new one's distance among theirs is uniform."""
+    alarms = []
+    for seed in range(40):
+        rows = np.random.default_rng(seed).normal(size=(340, 6))
+        novelty = learn_novelty(rows[:160], rows[160:200], limit=256)
+        alarms.append(np.mean([novelty.of(row) > 1.0 - rate for row in rows[200:]]))
+    error = 3 * np.std(alarms, ddof=1) / np.sqrt(len(alarms))
+    assert rate / 2 < np.mean(alarms) <= rate + error

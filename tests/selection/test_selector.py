@@ -12,6 +12,7 @@ from wakeful.contracts.learner import Estimate, Vector
 from wakeful.facts.domain import DomainSpec, FieldSpec, Guideline
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
+from wakeful.facts.settings import MindSettings
 from wakeful.selection.explain import contributions
 from wakeful.selection.selector import SelectionSettings, Selector
 
@@ -214,3 +215,10 @@ def test_a_contribution_is_the_change_when_the_field_has_its_typical_value() -> 
     found = contributions(one.encoder, one.predictor, event({"load": 0.6}), "planning")
     assert [(item.field, item.value, item.treatment) for item in found] == [("load", "0.6", pytest.approx(0.03))]
     assert contributions(one.encoder, one.predictor, event({"load": 0.6}), "dreaming") == ()
+
+
+def test_the_rate_of_false_alarms_of_novelty_is_the_minds_setting() -> None:
+    assert SelectionSettings.under(MindSettings()).novelty_limit == 0.99
+    assert SelectionSettings.under(MindSettings(novelty_rate=0.05)).novelty_limit == 0.95
+    with pytest.raises(ValueError, match="novelty_rate is 1"):
+        SelectionSettings.under(MindSettings(novelty_rate=1.0))

@@ -121,6 +121,13 @@ class Speed(click.ParamType[float]):
     show_default=True,
     help="Under the guarantee: the probability with which an automatic event's outcome counts as evidence.",
 )
+@option(
+    "--novelty-rate",
+    type=click.FloatRange(0.0, 1.0, max_open=True),
+    default=0.01,
+    show_default=True,
+    help="Share of familiar events that may be taken for unfamiliar ones, and get a provisional treatment.",
+)
 @option("--robot", default=None, metavar="NAME", help="The robot's name, where the source does not say it.")
 @json_option
 @click.pass_context
@@ -139,6 +146,7 @@ def run_command(
     alpha: float,
     delta: float,
     audit_rate: float,
+    novelty_rate: float,
     robot: str | None,
     as_json: bool,
 ) -> None:
@@ -168,6 +176,7 @@ def run_command(
             alpha=alpha,
             delta=delta,
             audit_rate=audit_rate,
+            novelty_rate=novelty_rate,
         )
         items = _drive(found, opened, thinker, settings, speed, limit, stop)
         told = summary(opened)

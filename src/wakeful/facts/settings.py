@@ -34,7 +34,8 @@ class MindSettings(Fact, frozen=True):
     ``gate`` says when a treatment may be automatic: ``benefit``, where deliberation would do no better; ``threshold``, from
     the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
     with probability 1 − ``delta``. Under the last, outcomes count as evidence only for events that were drawn for an audit,
-    automatic ones with probability ``audit_rate``.
+    automatic ones with probability ``audit_rate``. ``novelty_rate``: the share of familiar events that may be taken for
+    unfamiliar ones, so that those that are get a provisional treatment.
     """
 
     slots: int = 1
@@ -61,3 +62,4 @@ class MindSettings(Fact, frozen=True):
     alpha: float = 0.05
     delta: float = 0.05
     audit_rate: float = 0.2
+    novelty_rate: float = 0.01

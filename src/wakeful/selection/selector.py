@@ -13,6 +13,7 @@ from wakeful.facts.decisions import Audit, Candidate, Decision, Gate, Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Draft, Event
 from wakeful.facts.experience import ModelCard
+from wakeful.facts.settings import MindSettings
 from wakeful.selection.batch import BatchEncoder
 from wakeful.selection.features import Encoder, Vector
 from wakeful.selection.foresight import Foresight, Seen, alone, of_one
@@ -44,6 +45,17 @@ class SelectionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     novelty_limit: float = 0.99
     trust_limit: float = 0.4
     support: int = 1
+
+    @classmethod
+    def under(cls, settings: MindSettings) -> SelectionSettings:
+        """The defaults, with the mind's own rate of false alarms of novelty.
+
+        Raises:
+            ValueError: the rate is none.
+        """
+        if not 0.0 <= settings.novelty_rate < 1.0:
+            raise ValueError(f"novelty_rate is {settings.novelty_rate}; it is a share of the familiar events, from 0 to below 1")
+        return cls(novelty_limit=round(1.0 - settings.novelty_rate, _GATE_DIGITS))
 
 
 class Selector:
