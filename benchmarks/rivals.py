@@ -63,7 +63,7 @@ class Fitted:
         from sklearn.pipeline import make_pipeline  # noqa: PLC0415
         from sklearn.preprocessing import StandardScaler  # noqa: PLC0415
 
-        linear = make_pipeline(StandardScaler(), LogisticRegression(max_iter=500))
+        linear = make_pipeline(StandardScaler(), LogisticRegression(max_iter=200, tol=1e-3))
         self._model = linear if self._kind == "linear" else HistGradientBoostingClassifier(max_iter=60, random_state=seed)
         self._model.fit(x, y)
         self._classes = classes
