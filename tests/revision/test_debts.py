@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 
 from wakeful.facts.asking import Kind
-from wakeful.facts.lines import Answered, AnyRecord, Concluded, Created, Moved, Reopened
+from wakeful.facts.decisions import Decision, Gate
+from wakeful.facts.lines import Answered, AnyRecord, Concluded, Created, Decided, Moved, Reopened
+from wakeful.facts.overload import SHED
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.time import to_ns
 from wakeful.facts.values import NOTHING
@@ -185,3 +187,38 @@ def test_the_same_records_give_the_same_debts_at_every_point() -> None:
             again.apply(record, at_ns)
         assert again.next_due_ns() == story.debts.next_due_ns()
         assert again.due(2**62) == story.debts.due(2**62)
+
+
+def test_what_was_shed_under_overload_is_owed_too_and_repaid_when_there_was_no_more_of_that_for_a_pause() -> None:
+    story = Story()
+    for event, criticality in (("routine", 0), ("urgent", 2)):
+        process = story.meets(event, criticality)
+        story.tell(Decided(process=process, event=event, decision=provisional(f"{SHED}, 300 events wait")))
+        story.tell(
+            Concluded(process=process, event=event, treatment="t", mode="fallback", result=NOTHING),
+            Moved(process=process, before=State.ACTIVE, trigger=Trigger.RESOLVE, after=State.COMPLETED),
+        )
+        story.after(10.0)
+    story.asks(story.meets("another"), answered=True)
+    assert story.debts.next_due_ns() == to_ns(10.0 + PAUSE_S), "an answer to another ends no overload"
+    order = []
+    for _ in range(2):
+        process = story.repays()
+        order.append(story.event_of[process])
+        story.asks(process, answered=True)
+    assert order == ["urgent", "routine"]
+
+
+def test_what_is_provisional_because_it_is_unlike_anything_is_no_debt_of_the_reasoners() -> None:
+    story = Story()
+    process = story.meets("strange")
+    story.tell(
+        Decided(process=process, event="strange", decision=provisional("unlike anything experienced so far")),
+        Concluded(process=process, event="strange", treatment="t", mode="fallback", result=NOTHING),
+    )
+    assert len(story.debts) == 0
+
+
+def provisional(why: str) -> Decision:
+    gate = Gate(confidence=0.0, threshold=1.0, novelty=0.0, novelty_limit=1.0, trust=1.0, trust_limit=0.0)
+    return Decision(treatment="t", mode="fallback", confidence=0.5, candidates=(), reasons=(why, "a guideline"), gate=gate)

@@ -1,11 +1,12 @@
-"""Repayment: what was treated provisionally because no reasoner answered is thought about again once one does, by risk."""
+"""Repayment: what was treated provisionally, for want of an answer or of time, is thought about again later, by risk."""
 
 from __future__ import annotations
 
 import msgspec
 
 from wakeful.facts.asking import Kind
-from wakeful.facts.lines import Answered, AnyRecord, Concluded, Created, Moved, Reopened
+from wakeful.facts.lines import Answered, AnyRecord, Concluded, Created, Decided, Moved, Reopened
+from wakeful.facts.overload import SHED
 from wakeful.facts.processes import State
 from wakeful.facts.time import to_ns
 
@@ -20,7 +21,7 @@ TRIES = 3
 
 
 class Debt(msgspec.Struct, kw_only=True):
-    """One event that holds a provisional treatment because its deliberation was refused."""
+    """One event that holds a provisional treatment because its deliberation was refused, or shed under overload."""
 
     event: str
     process: int
@@ -37,7 +38,7 @@ class Debt(msgspec.Struct, kw_only=True):
 class _Root(msgspec.Struct):
     event: str
     criticality: int
-    refused: bool = False
+    owed: bool = False
 
 
 class Debts:
@@ -59,6 +60,7 @@ class Debts:
         self._pause_ns = self._first_pause_ns
         self._answers = True
         self._next_ns = 0
+        self._shed_ns: int | None = None
         self._roots: dict[int, _Root] = {}
         self._debts: dict[str, Debt] = {}
         self._under_way: dict[int, str] = {}
@@ -86,6 +88,8 @@ class Debts:
         match record:
             case Created(parent=0):
                 self._roots[record.process] = _Root(record.event, record.criticality)
+            case Decided(decision=decision) if decision.mode == "fallback" and decision.reasons:
+                self._shed(record.process, decision.reasons[0], now_ns)
             case Answered(kind=Kind.DELIBERATE):
                 self._answered(record, now_ns)
             case Concluded():
@@ -112,6 +116,17 @@ class Debts:
         waiting = (debt for debt in self._debts.values() if not debt.under_way)
         return min(waiting, key=_place, default=None)
 
+    def _shed(self, process: int, why: str, now_ns: int) -> None:
+        """Deliberation was put off: nothing is repaid before there was none of that for a pause."""
+        root = self._roots.get(process)
+        if root is not None and why.startswith(SHED):
+            root.owed = True
+            self._shed_ns = now_ns
+            self._next_ns = max(self._next_ns, now_ns + self._first_pause_ns)
+
+    def _shedding(self, now_ns: int) -> bool:
+        return self._shed_ns is not None and now_ns < self._shed_ns + self._first_pause_ns
+
     def _answered(self, record: Answered, now_ns: int) -> None:
         if not record.error:
             if not self._answers:
@@ -119,11 +134,12 @@ class Debts:
                     each.passes = 0
             self._answers = True
             self._pause_ns = self._first_pause_ns
-            self._next_ns = min(self._next_ns, now_ns + self._every_ns)
+            if not self._shedding(now_ns):
+                self._next_ns = min(self._next_ns, now_ns + self._every_ns)
             return
         root = self._roots.get(record.process)
         if root is not None:
-            root.refused = True
+            root.owed = True
         debt = self._debts.get(self._under_way.get(record.process, ""))
         if debt is not None:
             debt.tries += self._answers
@@ -138,7 +154,7 @@ class Debts:
         if root is None:
             return
         before = self._end(root.event)
-        if record.mode != "fallback" or not root.refused:
+        if record.mode != "fallback" or not root.owed:
             return
         debt = before or Debt(event=root.event, process=0, criticality=root.criticality, since_ns=now_ns)
         debt.process, debt.under_way = record.process, 0
