@@ -18,6 +18,7 @@ from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.source_clock import Coming, set_back, source_time_ns
+from wakeful.drivers.tidying import Tidying
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation, Undecodable
@@ -70,6 +71,7 @@ class SimulatedDriver:
         self.journal = journal
         self._reasoner = reasoner
         self._trainer = Trainer(learner)
+        self._tidying = Tidying(journal)
         self._pace = pace
         self._acts = acts
         self._acts_due_s = 0.0
@@ -266,7 +268,7 @@ class SimulatedDriver:
         answer = self._loop.run_until_complete(make(marked(call, self._crash_mark), self._reasoner))
         self._heart.beat()
         reach("acting: call made")
-        latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None else 0
+        latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None and not call.role else 0
         due_ns = min(call.asked_ns + latency_ns, call.expires_ns)
         heapq.heappush(self._answers, (due_ns, call.process, call.seq, answer))
 
@@ -277,6 +279,7 @@ class SimulatedDriver:
         if self._blobs:
             reach("publication: committed")
         self._lines, self._blobs, self._state = [], {}, {}
+        self._tidying.turn()
 
 
 def _named(item: Item, source: str, position: int) -> Input:
