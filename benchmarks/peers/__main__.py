@@ -98,6 +98,80 @@ def stores(folder: Path, systems: Chosen) -> Iterator[Stores]:
         yield Stores(folder, None)
 
 
+class Benchmark:
+    """One run of the command.
+
+    Args:
+        systems: what is run, by turns.
+        load: how W is offered.
+        folder: where workloads and stores are made.
+        fresh: gives a store that nobody has used.
+        seed: of the workload.
+    """
+
+    def __init__(self, systems: Chosen, load: Load, folder: Path, fresh: Stores, seed: int) -> None:
+        self._systems = systems
+        self._load = load
+        self._folder = folder
+        self._fresh = fresh
+        self._seed = seed
+
+    def workload(self, events: int) -> Path:
+        """The folder of W with so many events, made where it is not there yet."""
+        folder = self._folder / f"w{events}"
+        if not folder.exists():
+            save(make(self._seed, events), folder)
+        return folder
+
+    def rounds(self, events: int, rounds: int) -> dict[tuple[str, str], list[Found]]:
+        """Every system once, as often as that."""
+        runs: dict[tuple[str, str], list[Found]] = {each: [] for each in self._systems}
+        for turn in range(rounds):
+            for system, variant in self._systems:
+                entry = SYSTEMS[system]
+                workload = self.workload(max(1, round(events * entry.share)))
+                offered = msgspec.structs.replace(self._load, window=entry.window)
+                found = child(system, variant, workload, self._fresh.fresh(variant), offered)
+                runs[system, variant].append(found)
+                _say(f"round {turn + 1}: {system} {variant}: {found['cpu_us_per_event']:,.1f} µs of CPU an event")
+        return runs
+
+    def without_outcomes(self) -> dict[tuple[str, str], object]:
+        """Bytes of wakeful's journal for an event whose outcome never comes."""
+        found = {}
+        offered = msgspec.structs.replace(self._load, outcomes=False)
+        for system, variant in self._systems:
+            if system == "wakeful" and not self._load.rate:
+                run = child(system, variant, self.workload(APART_EVENTS), self._fresh.fresh(variant), offered)
+                found[system, variant] = run["bytes_per_event"]
+        return found
+
+    def crashes(self, events: int, kills: int) -> dict[tuple[str, str], Found]:
+        """What SIGKILL costs each."""
+        found = {}
+        for system, variant in self._systems if kills else ():
+            if SYSTEMS[system].crashes:
+                cost = killed(system, variant, self.workload(events), self._fresh.fresh(variant), events, kills)
+                found[system, variant] = dict(cost)
+                _say(f"SIGKILL: {system} {variant}: {cost}")
+        return found
+
+    def profile(self, events: int, picture: Path) -> None:
+        """Where the first system's time goes, as a list on standard error and as a picture."""
+        system, variant = self._systems[0]
+        workload = self.workload(max(1, round(events * SYSTEMS[system].share)))
+        found = child(system, variant, workload, self._fresh.fresh(variant), self._load, "profiled")
+        floor = child("floor", "", workload, self._fresh.fresh(""), self._load)
+        beneath = floor_stages(floor)
+        title = f"{system} {variant}: {found['cpu_us_per_event']:.0f} µs of CPU an event, floor {floor['floor_us']:.1f} µs"
+        _say(title)
+        for name, us in sorted(found["stages_us"].items(), key=lambda item: -item[1]):  # type: ignore[attr-defined]
+            _say(f"  {name:12} {us:8.2f}   floor {beneath.get(name, 0.0):6.2f}")
+        for name, us in found["hottest"]:  # type: ignore[attr-defined]
+            _say(f"    {us:8.2f}  {name}")
+        draw(found, floor, title, picture)
+
+
 def main(words: list[str] | None = None) -> int:
     """Run what was asked for; 1 where a system came to other final states than the workload's."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -115,59 +189,23 @@ def main(words: list[str] | None = None) -> int:
     given = parser.parse_args(words)
     systems = chosen(given.systems)
     load = Load(rate=given.rate, group_s=given.group_ms / 1000, full_sync=given.full_sync)
-    runs: dict[tuple[str, str], list[Found]] = {each: [] for each in systems}
-    crashes: dict[tuple[str, str], Found] = {}
     with tempfile.TemporaryDirectory() as name, stores(Path(name), systems) as fresh:
-        shares = {system: max(1, round(given.events * SYSTEMS[system].share)) for system, _ in systems}
-        split = [each for each in systems if each[0] == "wakeful" and not given.rate]
-        sizes = {*shares.values(), *([given.crash_events] if given.kills else []), *([APART_EVENTS] if split else [])}
-        workloads = {size: Path(name, f"w{size}") for size in sizes}
-        for size, folder in workloads.items():
-            save(make(given.seed, size), folder)
-        without: dict[tuple[str, str], object] = {}
-        for system, variant in split:
-            offered = msgspec.structs.replace(load, outcomes=False)
-            found = child(system, variant, workloads[APART_EVENTS], fresh.fresh(variant), offered)
-            without[system, variant] = found["bytes_per_event"]
-        for turn in range(given.rounds):
-            for system, variant in systems:
-                offered = msgspec.structs.replace(load, window=SYSTEMS[system].window)
-                found = child(system, variant, workloads[shares[system]], fresh.fresh(variant), offered)
-                runs[system, variant].append(found)
-                _say(f"round {turn + 1}: {system} {variant}: {found['cpu_us_per_event']:,.1f} µs of CPU an event")
-        for system, variant in systems if given.kills else ():
-            if not SYSTEMS[system].crashes:
-                continue
-            size = given.crash_events
-            found = dict(killed(system, variant, workloads[size], fresh.fresh(variant), size, given.kills))
-            crashes[system, variant] = found
-            _say(f"SIGKILL: {system} {variant}: {found}")
+        benchmark = Benchmark(systems, load, Path(name), fresh, given.seed)
+        without = benchmark.without_outcomes()
+        runs = benchmark.rounds(given.events, given.rounds)
+        crashes = benchmark.crashes(given.crash_events, given.kills)
         if given.profile:
-            system, variant = systems[0]
-            _profile(system, variant, workloads[shares[system]], fresh, load, given.profile)
-    offered = {"rate": given.rate, "full_sync": given.full_sync}
-    rows = [row_of(*each, found, crashes.get(each), offered) for each, found in runs.items()]
-    for row, each in zip(rows, runs, strict=True):
-        row["bytes_without_outcomes"] = without.get(each)
+            benchmark.profile(given.events, given.profile)
+    rows = [
+        row_of(*each, found, crashes.get(each), {"rate": given.rate, "bytes_without_outcomes": without.get(each)})
+        for each, found in runs.items()
+    ]
     if given.json:
         print(json.dumps(rows))
     else:
-        print(table(rows), apart(rows), assembled(rows), *(stages(row) for row in rows if "stages_us" in row), sep="\n\n")
+        parts = (table(rows), apart(rows), assembled(rows), *(stages(row) for row in rows if "stages_us" in row))
+        print(*filter(None, parts), sep="\n\n")
     return 0 if all(row["right"] for row in rows) else 1
-
-
-def _profile(system: str, variant: str, workload: Path, fresh: Stores, load: Load, picture: Path) -> None:
-    """Where its time goes, as a list on standard error and as a picture."""
-    found = child(system, variant, workload, fresh.fresh(variant), load, "profiled")
-    floor = child("floor", "", workload, fresh.fresh(""), load)
-    beneath = floor_stages(floor)
-    title = f"{system} {variant}: {found['cpu_us_per_event']:.0f} µs of CPU an event, floor {floor['floor_us']:.1f} µs"
-    _say(title)
-    for name, us in sorted(found["stages_us"].items(), key=lambda item: -item[1]):  # type: ignore[attr-defined]
-        _say(f"  {name:12} {us:8.2f}   floor {beneath.get(name, 0.0):6.2f}")
-    for name, us in found["hottest"]:  # type: ignore[attr-defined]
-        _say(f"    {us:8.2f}  {name}")
-    draw(found, floor, title, picture)
 
 
 def _say(text: str) -> None:

@@ -27,14 +27,14 @@ SHOWN = (
 )
 
 
-def row_of(system: str, variant: str, runs: list[Found], crash: Found | None, load: Found) -> Found:
+def row_of(system: str, variant: str, runs: list[Found], crash: Found | None, more: Found) -> Found:
     """One system's row: medians over its runs, the range of the two figures that matter most, and what SIGKILL cost."""
     entry = SYSTEMS[system]
     row: Found = {
         "system": system,
         "variant": variant,
         "durable": entry.durable,
-        **load,
+        **more,
         "events": runs[0]["events"],
         "runs": len(runs),
         "events_per_second": _middle(runs, "events_per_second"),
