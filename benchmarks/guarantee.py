@@ -150,7 +150,7 @@ def draw(lives: list[tuple[GuaranteeSettings, World, Lived]], path: Path) -> Non
     mpl.rcParams["svg.hashsalt"] = "wakeful"
     figure, axes = plt.subplots(figsize=(8, 4))
     for settings, world, lived in lives:
-        after = np.sort(lived.after[lived.at_change])
+        after = np.quantile(lived.after[lived.at_change], np.linspace(0, 1, 101))
         style = "-" if lived.name.startswith("guarantee") else "--"
         (line,) = axes.plot(np.maximum(after, 0.9), np.linspace(0, 1, len(after)), style, label=lived.name)
         if lived.name.startswith("guarantee"):
