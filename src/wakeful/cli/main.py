@@ -15,7 +15,7 @@ from wakeful.cli.learned import learning_command, trust_command
 from wakeful.cli.look import events_command, processes_command, status_command
 from wakeful.cli.mistakes import OneLine
 from wakeful.cli.new import new_group
-from wakeful.cli.operate import cancel_command, resume_command, suspend_command
+from wakeful.cli.operate import cancel_command, reopen_command, resume_command, suspend_command
 from wakeful.cli.reproduce import reproduce_command
 from wakeful.cli.revisit import revisit_command
 from wakeful.cli.rollback import rollback_command
@@ -51,6 +51,7 @@ for command in (
     suspend_command,
     resume_command,
     cancel_command,
+    reopen_command,
     debt_command,
     why_command,
     trace_command,

@@ -17,6 +17,7 @@ from wakeful.journal.views import History, ProcessPast
 from wakeful.journal.wording.words import duration
 
 _DONE = {
+    "reopen": "the event of process {} is thought about again",
     "hold": "process {} is held: it keeps its state and gets no slot until it is resumed",
     "release": "process {} may go on",
     "cancel": "process {} is cancelled; its event is owed a treatment ('wakeful debt' lists it)",
@@ -83,10 +84,21 @@ def cancel_command(process: int, who: str, why: str, journal: Path | None, wait_
     _operate("cancel", process, who, why, journal, wait_s, as_json)
 
 
+@click.command("reopen")
+@_operating
+def reopen_command(process: int, who: str, why: str, journal: Path | None, wait_s: float, as_json: bool) -> None:
+    """Think about the event of PROCESS, which has completed, again: in a new process linked to it, with deliberation.
+
+    For what is in debt and can be helped now: quarantined events whose treatment was mended, cancelled and unresolved ones.
+    """
+    _operate("reopen", process, who, why, journal, wait_s, as_json)
+
+
 def _operate(act: str, process: int, who: str, why: str, journal: Path | None, wait_s: float, as_json: bool) -> None:
     path = named_journal(journal)
-    _check(path, act, process)
-    (done,) = hand(path, [Act(who=who, act=act, process=process, why=why, id=uuid4().hex)], wait_s)
+    found = _check(path, act, process)
+    event = found.event if act == "reopen" else ""
+    (done,) = hand(path, [Act(who=who, act=act, process=process, why=why, id=uuid4().hex, event=event)], wait_s)
     if as_json:
         print_json(done)
     elif not done.recorded:
@@ -99,8 +111,8 @@ def _operate(act: str, process: int, who: str, why: str, journal: Path | None, w
         say(f"{_DONE[act].format(process)} ({where}, line {done.position})")
 
 
-def _check(path: Path, act: str, process: int) -> None:
-    """Say what is wrong before anything is written."""
+def _check(path: Path, act: str, process: int) -> ProcessPast:
+    """The process as it stands. What is wrong is said before anything is written."""
     with open_journal(path, read_only=True) as opened:
         read = History()
         for line in opened.lines_of(process=process):
@@ -109,9 +121,14 @@ def _check(path: Path, act: str, process: int) -> None:
     if found is None:
         raise Mistake(f"there is no process {process} in {path}; 'wakeful processes' lists them")
     _check_state(found, act)
+    return found
 
 
 def _check_state(found: ProcessPast, act: str) -> None:
+    if act == "reopen":
+        if found.open:
+            raise Mistake(f"process {found.id} is open: it is being thought about")
+        return
     if not found.open:
         raise Mistake(f"process {found.id} has completed ({found.end}): there is nothing left to {_WORDS[act]}")
     if act == "hold" and found.held_by:

@@ -124,7 +124,7 @@ class Selector:
         """Decide with this model version from now on (an older one rolls back).
 
         Raises:
-            ValueError: the bytes are not a model, or one of other features or labels than this domain's; the version in use stays.
+            ValueError: the bytes are no model, or one of other features or labels than this domain's; the version in use stays.
         """
         predictor = self._learner.load(weights)
         if predictor.typical.shape != (self.encoder.size,):
@@ -135,8 +135,8 @@ class Selector:
         gone = sorted(set(predictor.labels) - set(self.spec.outcome.labels))
         if gone:
             raise ValueError(
-                f"model version {card.version} forecasts {', '.join(gone)}, which domain {self.spec.name!r} no longer has among its "
-                "outcomes; it must be trained again"
+                f"model version {card.version} forecasts {', '.join(gone)}, which is no outcome of domain {self.spec.name!r} "
+                "any more; it must be trained again"
             )
         place = {name: index for index, name in enumerate(predictor.treatments)}
         self._places = tuple(place.get(name) for name in self.allowed)
