@@ -41,5 +41,11 @@ class Journal(Protocol):
     def last(self) -> int:
         """The last position, 0 for an empty journal."""
 
+    def tidy(self, least_events: int = 0) -> bool:
+        """Do a little of its housekeeping, between two commits: nothing that is open or owed changes.
+
+        ``least_events``: as soon as so many events are older than what is kept; 0: where it is worth the while. Returns whether
+        there is more to do at once. Raises JournalError where it could not be done; all is as it was."""
+
     def close(self) -> None:
         """Release the file. Committed lines stay."""

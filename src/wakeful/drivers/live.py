@@ -19,6 +19,7 @@ from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.room import Room
 from wakeful.drivers.sd_notify import Heart
+from wakeful.drivers.tidying import Tidying
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import CRITICAL, Draft, Observation
@@ -91,6 +92,8 @@ class LiveDriver:
         self.journal = journal
         self._reasoner = reasoner
         self._trainer = Trainer(learner)
+        self._tidying = Tidying(journal)
+        self._tidied: asyncio.Future[bool] | None = None
         self._source = source
         self._clock_ns = clock_ns
         self._acts = acts
@@ -306,6 +309,8 @@ class LiveDriver:
             await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, self.kernel.changed(), requests.blobs)
             if requests.blobs:
                 reach("publication: committed")
+            if self._tidied is None or self._tidied.done():
+                self._tidied = loop.run_in_executor(self._commits, self._tidying.turn)
 
     def _answer(self, entries: tuple[Entry, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
         receipts: dict[object, Receipt] = {}

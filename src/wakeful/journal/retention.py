@@ -13,8 +13,9 @@ class Retention(Fact, frozen=True):
     as learning, memory and late outcomes look back (20,000), so that a mind that recovers thinks as if nothing were gone. 0 in
     one of the limits: no such limit.
 
-    Kept whatever its age: an event with an open process, or in debt, or that an operator acted on; what their decisions rest on;
-    model versions with their lineage, guarantees, imported experience, operators' acts, openings and ends of sources.
+    Kept whatever its age: an event with an open process, or whose outcome may still come, or in debt, or that an operator acted
+    on; what their decisions rest on; model versions with their lineage, guarantees, imported experience, operators' acts, the
+    openings and ends of sources.
     """
 
     days: float = 90.0

@@ -196,6 +196,10 @@ class SqliteJournal:
         """
         return self._reading.commits()
 
+    def compacted(self) -> int:
+        """The position up to which what is older than the retention was given up; 0: nothing was."""
+        return number(self._db, "SELECT position FROM frontier")
+
     def state(self) -> dict[str, bytes]:
         """The keyed state as of the last commit.
 

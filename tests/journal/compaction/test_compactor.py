@@ -31,6 +31,7 @@ OPEN, OWED = 0.04, 0.07
 def _in_small_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ages, "_EVENTS", 10)
     monkeypatch.setattr(compactor, "_ROWS_PER_STEP", 3)
+    monkeypatch.setattr(compactor, "_LINES_PER_STEP", 100)
 
 
 def book(seed: int = 1, events: int = EVENTS) -> Book:

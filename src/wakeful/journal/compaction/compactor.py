@@ -20,9 +20,10 @@ from wakeful.journal.compaction.sieve import Gap, Sieve, sift
 from wakeful.journal.retention import Retention
 from wakeful.journal.schema import PRESENT
 
-#: Rows that are replaced in one transaction, and pages that are given back after it: a few milliseconds.
-_ROWS_PER_STEP = 32
-_PAGES_PER_STEP = 256
+#: What is done in one step, a few milliseconds' work: so many rows at most, with so many lines, or pages.
+_ROWS_PER_STEP = 64
+_LINES_PER_STEP = 3_000
+_PAGES_PER_STEP = 128
 _KEYS_PER_STEP = 256
 
 
@@ -138,7 +139,7 @@ class Compactor:
         self._swept = False
         if self._owed is None:
             yield from self._catch_up()
-        owed = self._owed or Owed()
+        owed = self._owed if self._owed is not None else Owed()
         processes = owed.processes()
         yield from self._astride(boundary, processes)
         sieve = Sieve(processes, owed.outcomes(boundary), owed.places())
@@ -168,12 +169,19 @@ class Compactor:
     def _sweep(self) -> Iterator[None]:
         """Take away what is not there in the present generation, and give its pages back to the disk."""
         position = 0
-        query = f"SELECT id, died FROM about WHERE id > ? AND id <= ? AND NOT ({PRESENT}) ORDER BY id LIMIT ?"
+        query = f"SELECT id, last FROM about WHERE id > ? AND id <= ? AND NOT ({PRESENT}) ORDER BY id LIMIT ?"
         ((highest,),) = self._query("SELECT coalesce(max(id), 0) FROM about")
-        while gone := list(self._query(query, position, highest, _ROWS_PER_STEP)):
-            position = gone[-1][0]
+        while rows := list(self._query(query, position, highest, _ROWS_PER_STEP)):
+            gone: list[int] = []
+            lines = 0
+            for id_, last in rows:
+                gone.append(id_)
+                lines += last - id_ // VERSIONS + 1
+                if lines > _LINES_PER_STEP:
+                    break
+            position = gone[-1]
             with self._db:
-                self._delete([id_ for id_, _ in gone])
+                self._delete(gone)
             yield
         while self._pragma("freelist_count"):
             self._db.execute(f"PRAGMA incremental_vacuum({_PAGES_PER_STEP})").fetchall()
@@ -186,20 +194,27 @@ class Compactor:
 
     def _catch_up(self) -> Iterator[None]:
         """Follow what was committed before anybody listened."""
-        owed, id_ = Owed(), 0
-        while ids := list(self._query(f"SELECT id FROM about WHERE id > ? AND {PRESENT} ORDER BY id LIMIT 4", id_)):
+        owed, id_, read = Owed(), 0, 0
+        while ids := list(
+            self._query(f"SELECT id FROM about WHERE id > ? AND {PRESENT} ORDER BY id LIMIT ?", id_, _ROWS_PER_STEP)
+        ):
             for (id_,) in ids:
                 for entry in self._read(id_):
                     owed.see(entry)
-            yield
+                    read += 1
+                if read > _LINES_PER_STEP // 8:  # to read a line takes longer than to give it up
+                    read = 0
+                    yield
         self._owed = owed
 
     def _astride(self, boundary: int, processes: set[int]) -> Iterator[None]:
         """Add the processes that were created before a position, and of which something is told after it."""
         ((highest,),) = self._query("SELECT coalesce(max(process), 0) FROM about WHERE last <= ?", boundary)
+        # What is committed meanwhile is of other events: these are older than any that may still be told of.
+        ((newest,),) = self._query("SELECT max(id) FROM about")
         position = boundary
-        query = f"SELECT last, keys FROM about WHERE id > ? * {VERSIONS} AND {PRESENT} ORDER BY id LIMIT ?"
-        while rows := list(self._query(query, position, _KEYS_PER_STEP)):
+        query = f"SELECT last, keys FROM about WHERE id > ? * {VERSIONS} AND id <= ? AND {PRESENT} ORDER BY id LIMIT ?"
+        while rows := list(self._query(query, position, newest, _KEYS_PER_STEP)):
             # Keys of events may look like those of processes: then a process more is kept, until the next round.
             numbers = np.frombuffer(b"".join(keys for _, keys in rows), dtype=np.uint32)
             processes.update(numbers[numbers <= highest].tolist())
@@ -214,8 +229,15 @@ class Compactor:
         )
         id_ = 0
         while rows := list(self._query(query, id_, boundary, _ROWS_PER_STEP)):
-            id_ = rows[-1][0]
-            yield [_Old(row[0], row[1], row[2], Counts(*row[3:9]), row[9]) for row in rows]
+            olds: list[_Old] = []
+            lines = 0
+            for row in rows:
+                olds.append(_Old(row[0], row[1], row[2], Counts(*row[3:9]), row[9]))
+                lines += olds[-1].last - olds[-1].first + 1
+                if lines > _LINES_PER_STEP:
+                    break
+            id_ = olds[-1].id
+            yield olds
 
     def _replace(self, olds: list[_Old], sieve: Sieve, gap: Gap, standing: int) -> int:
         """Put what is kept of some rows, and the counts of the rest, beside them, for the next generation.

@@ -6,7 +6,7 @@ from array import array
 
 import msgspec
 
-from wakeful.facts.lines import Acted, Created, Decided, Gained, Imported, Judged, Moved, Trusted, Witnessed
+from wakeful.facts.lines import Acted, Concluded, Created, Decided, Gained, Imported, Judged, Moved, Trusted, Witnessed
 from wakeful.facts.packs import Covered, Entry, Pack, Ran, Validated, last_position
 from wakeful.facts.processes import COMPLETIONS, Completion, State
 from wakeful.journal.debt import UNFINISHED
@@ -22,20 +22,25 @@ class _Process(msgspec.Struct):
 
 
 class _Event(msgspec.Struct):
-    """An event that is open or in debt. ``treated``: one of its own processes gave it more than a provisional treatment."""
+    """An event that is open, awaits its outcome, or is in debt.
+
+    ``awaited``: results whose window is open. ``treated``: one of its own processes gave it more than a provisional treatment.
+    """
 
     processes: list[int]
     rests_on: list[int]
     open: int = 0
+    awaited: int = 0
     treated: bool = False
 
 
 class Owed:
-    """Knows the open events and those in debt, and on which experiences their decisions rest. The rest is closed."""
+    """Knows the events that are open, await their outcome or are in debt, and on which experiences their decisions rest."""
 
     def __init__(self) -> None:
         self._open: dict[int, _Process] = {}
         self._events: dict[str, _Event] = {}
+        self._awaited: dict[int, str] = {}
         self._acted: set[int] = set()
         self._trusted: dict[str, int] = {}
         self._unjudged: dict[str, int] = {}
@@ -54,8 +59,11 @@ class Owed:
             self._open[said.process] = _Process(said.event.id, False, "auto")
             self._events[said.event.id] = _Event([said.process], rests_on, open=1)
         elif isinstance(said, Ran):
+            if said.closes_ns is not None:
+                self._concluded(said.process, said.event)
             self._end(said.process, Completion.RESOLVED)
         elif isinstance(said, Validated):
+            self._judged(said.judged.process)
             self._gained(said.experience.id, said.experience.process)
             if said.trusted is not None:
                 self._trusted[said.trusted.treatment] = last_position(entry)
@@ -74,7 +82,11 @@ class Owed:
             self._unjudged[said.outcome.id] = entry.position
             if len(self._unjudged) > _UNJUDGED:
                 del self._unjudged[next(iter(self._unjudged))]
+        elif isinstance(said, Concluded):
+            if said.closes_ns is not None:
+                self._concluded(said.process, said.event)
         elif isinstance(said, Judged):
+            self._judged(said.process)
             came = self._unjudged.pop(said.outcome, None)
             if came is not None and entry.position > came + 1:
                 self._late.append((came, entry.position, said.outcome))
@@ -127,8 +139,23 @@ class Owed:
         event.open -= 1
         if not process.child and process.mode not in ("", "fallback") and end not in UNFINISHED:
             event.treated = True
-        if not event.open and event.treated:
-            del self._events[process.event]
+        self._settle(process.event, event)
+
+    def _concluded(self, process: int, event: str) -> None:
+        if event in self._events:
+            self._events[event].awaited += 1
+            self._awaited[process] = event
+
+    def _judged(self, process: int) -> None:
+        name = self._awaited.pop(process, None)
+        event = self._events.get(name) if name is not None else None
+        if name is not None and event is not None:
+            event.awaited -= 1
+            self._settle(name, event)
+
+    def _settle(self, name: str, event: _Event) -> None:
+        if not event.open and not event.awaited and event.treated:
+            del self._events[name]
 
     def _gained(self, id_: int, process: int) -> None:
         if id_ >= len(self._made_of):
