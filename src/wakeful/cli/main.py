@@ -7,6 +7,7 @@ import os
 import click
 
 from wakeful.cli.audit import audit_command
+from wakeful.cli.compact import backup_command, compact_command
 from wakeful.cli.debt import debt_command
 from wakeful.cli.experience import experience_group
 from wakeful.cli.export import export_command
@@ -66,6 +67,8 @@ for command in (
     domains_command,
     treatments_command,
     export_command,
+    compact_command,
+    backup_command,
     experience_group,
     new_group,
     simulate_command,

@@ -68,6 +68,11 @@ class Ages:
             place, given_up = stretch.last, given_up + stretch.admitted
         return place if given_up >= worth else 0
 
+    def half_full(self, retention: Retention, used_bytes: int) -> bool:
+        """Whether half of what may be kept is there: time to find out what is owed, before there is something to give up."""
+        events, limit_bytes = retention.events, retention.megabytes * 1_000_000
+        return bool(events and 2 * self._admitted > events) or bool(limit_bytes and 2 * used_bytes > limit_bytes)
+
     def given_up(self, boundary: int) -> None:
         """What lies up to there was compacted."""
         while self._stretches and self._stretches[0].last <= boundary:

@@ -96,10 +96,14 @@ class Compactor:
             if not (self._look or least_events):
                 return False
             self._look = False
-            boundary = self._known_ages().boundary(self._retention, self._used_bytes(), least_events)
-            if not boundary:
+            ages, used_bytes = self._known_ages(), self._used_bytes()
+            boundary = ages.boundary(self._retention, used_bytes, least_events)
+            if boundary:
+                self._steps = self._round(boundary)
+            elif self._owed is None and ages.half_full(self._retention, used_bytes):
+                self._steps = self._catch_up()
+            else:
                 return False
-            self._steps = self._round(boundary)
         try:
             next(self._steps)
         except StopIteration:
