@@ -44,6 +44,15 @@ def test_it_says_what_is_promised_and_what_the_promise_rests_on(guaranteed: Path
     assert "P(wrong and automatic)" in text
 
 
+def test_the_drawn_events_that_await_their_outcome_are_listed(guaranteed: Path, wakeful: Wakeful) -> None:
+    rows = json.loads(wakeful("guarantee", "--journal", guaranteed, "--awaiting", "--json").stdout)
+    told = json.loads(wakeful("guarantee", "--journal", guaranteed, "--json").stdout)["treatments"]
+    assert len(rows) <= sum(row["awaiting"] for row in told)
+    text = wakeful("guarantee", "--journal", guaranteed, "--awaiting").stdout
+    assert all(row["event"] in text for row in rows)
+    assert text.strip()
+
+
 def test_the_same_evidence_can_be_looked_at_for_a_stricter_promise(guaranteed: Path, wakeful: Wakeful) -> None:
     told = json.loads(wakeful("guarantee", "--journal", guaranteed, "--alpha", "0.01", "--json").stdout)
     assert {row["state"] for row in told["treatments"]} == {"not yet"}

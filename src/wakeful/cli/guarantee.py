@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from wakeful.cli.options import alpha_option, delta_option, journal_option, json_option, print_json, reading
+from wakeful.cli.options import alpha_option, delta_option, journal_option, json_option, option, print_json, reading
 from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.facts.lines import Certified, Decided, Line, Revoked
 from wakeful.facts.time import to_s
@@ -24,8 +24,9 @@ _NUMBERS = ["risk", "bound now", "evidence", "errors", "automatic", "validated",
 @journal_option
 @alpha_option(None)
 @delta_option(None)
+@option("--awaiting", is_flag=True, help="List the drawn events whose outcome is still to come, for whoever can tell it.")
 @json_option
-def guarantee_command(journal: Path | None, alpha: float | None, delta: float | None, as_json: bool) -> None:
+def guarantee_command(journal: Path | None, alpha: float | None, delta: float | None, awaiting: bool, as_json: bool) -> None:
     """Say per treatment under which risk automatic processing is held, and on what evidence.
 
     The risk is P(wrong and automatic). It is bounded from outcomes of the world or of a person on events that were drawn with a
@@ -36,7 +37,11 @@ def guarantee_command(journal: Path | None, alpha: float | None, delta: float | 
         promised = _promised(opened)
         default = promised or GuaranteeSettings()
         settings = GuaranteeSettings(alpha=alpha or default.alpha, delta=delta or default.delta)
-        rows, changes = _read(opened, settings, shadow=promised is None)
+        gate, changes = _read(opened, settings, shadow=promised is None)
+    rows = report(gate)
+    if awaiting:
+        _awaiting(gate, as_json)
+        return
     if as_json:
         told = {"under_guarantee": promised is not None, "alpha": settings.alpha, "delta": settings.delta}
         print_json({**told, "treatments": rows, "changes": [{"at_ns": line.at_ns, "record": line.record} for line in changes]})
@@ -58,14 +63,24 @@ def _promised(journal: SqliteJournal) -> GuaranteeSettings | None:
     return found
 
 
-def _read(journal: SqliteJournal, settings: GuaranteeSettings, shadow: bool) -> tuple[list[Report], list[Line]]:
+def _read(journal: SqliteJournal, settings: GuaranteeSettings, shadow: bool) -> tuple[Guarantee, list[Line]]:
     gate = Guarantee(settings, shadow=shadow)
     changes: list[Line] = []
     for line in journal.lines():
         gate.apply(line.record)
         if isinstance(line.record, Certified | Revoked):
             changes.append(line)
-    return report(gate), changes
+    return gate, changes
+
+
+def _awaiting(gate: Guarantee, as_json: bool) -> None:
+    found = gate.awaiting()
+    if as_json:
+        print_json([{"event": event, "treatment": treatment} for event, treatment in found])
+    elif found:
+        table(["event", "treatment"], [[event, treatment] for event, treatment in found], whole=["event"])
+    else:
+        say("no drawn event awaits its outcome")
 
 
 def _print(rows: list[Report], changes: list[Line], settings: GuaranteeSettings, promised: bool) -> None:

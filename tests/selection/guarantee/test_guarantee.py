@@ -308,6 +308,19 @@ def _told(gate: Guarantee) -> tuple[object, ...]:
     return one.level, one.number, one.events, one.errors_now, one.bound, watches, one.counted
 
 
+def test_the_drawn_automatic_events_that_await_an_outcome_are_told() -> None:
+    life = Life(audit_rate=1.0)
+    life.decide()
+    assert life.gate.awaiting() == [], "what is not automatic is thought about anyway"
+    life = Life(audit_rate=1.0)
+    life.live(100)
+    process = life.decide()
+    assert life.gate.awaiting() == [(f"event {process}", "memory")]
+    life.conclude(process)
+    life.judge(process, "none")
+    assert life.gate.awaiting() == []
+
+
 def test_memory_may_stop_automation_but_neither_allow_it_nor_change_its_answer() -> None:
     gate = Guarantee(GuaranteeSettings())
     automatic = Decision(

@@ -10,6 +10,7 @@ from wakeful.selection.guarantee.in_order import InOrder, Waiting
 def waiting(process: int) -> Waiting:
     return Waiting(
         process=process,
+        event=f"event {process}",
         number=1,
         treatment="memory",
         predicted="none",

@@ -52,6 +52,10 @@ class Guarantee:
         """By treatment: those of which anything was ever decided under the guarantee."""
         return self._standings
 
+    def awaiting(self) -> list[tuple[str, str]]:
+        """The automatic events that were drawn and whose outcome is still to come, with their treatment, the oldest first."""
+        return [(each.event, each.treatment) for each in self._waiting.values() if each.ran and each.drawn and not each.settled]
+
     def rule(self, event: str, treatment: str, predicted: str, model: int, score: float) -> Audit:
         """Whether an event may be automatic, as far as the guarantee is concerned, and whether it is drawn for an audit.
 
@@ -104,9 +108,9 @@ class Guarantee:
             case Created(process=process, parent=parent, reopens=reopens):
                 if parent or reopens:
                     self._not_roots.add(process)
-            case Decided(process=process, decision=decision):
+            case Decided(process=process, event=event, decision=decision):
                 if process not in self._not_roots:
-                    self._decided(process, decision)
+                    self._decided(process, event, decision)
             case Concluded(process=process, mode=mode, closes_ns=closes_ns):
                 if (waiting := self._waiting.get(process)) is not None:
                     waiting.mode, waiting.judgeable = mode, closes_ns is not None
@@ -127,7 +131,7 @@ class Guarantee:
             case _:
                 pass
 
-    def _decided(self, process: int, decision: Decision) -> None:
+    def _decided(self, process: int, event: str, decision: Decision) -> None:
         audit = decision.audit
         if audit is None and self._shadow:
             audit = _as_if(decision, self.settings.alpha)
@@ -141,6 +145,7 @@ class Guarantee:
             self._end(standing, decision.model, "another model version decides" if standing.certificate is not None else "")
         waiting = Waiting(
             process=process,
+            event=event,
             number=standing.number,
             treatment=audit.treatment,
             predicted=audit.predicted,

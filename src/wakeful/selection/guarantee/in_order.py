@@ -18,6 +18,7 @@ class Waiting(msgspec.Struct):
     """
 
     process: int
+    event: str
     number: int
     treatment: str
     predicted: str
