@@ -1,8 +1,9 @@
 """A small mind in a process of its own, to be killed: a service robot's morning and afternoon, calls outside, acts, a training.
 
-    python small_mind.py JOURNAL CALLS [--count]
+    python small_mind.py JOURNAL CALLS [--count] [--compact]
 
 Every call outside is a line that the callee appends to CALLS. ``--count``: print how often each crash point was reached.
+``--compact``: at noon and in the evening all but the last few events are given up.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import to_ns
 from wakeful.journal.acts import ActSpool
+from wakeful.journal.compaction import ages, compactor
+from wakeful.journal.retention import KEEP_ALL, Retention
 from wakeful.journal.sqlite import open_journal
 from wakeful.treatments.registry import Registry
 
@@ -88,11 +91,14 @@ def half(name: str) -> Callable[[int], Iterator[Item]]:
     return lambda after: iter(stream[after + 1 :])
 
 
-def live(journal: Path, calls: Path) -> None:
+def live(journal: Path, calls: Path, compact: bool = False) -> None:
     """Live through the day, or through what is left of it."""
+    if compact:  # in pieces as small as the day
+        ages._EVENTS, compactor._ROWS_PER_STEP, compactor._LINES_PER_STEP = 2, 3, 60
+    retention = Retention(days=0.0, events=4, megabytes=0, least=2) if compact else KEEP_ALL
     spool = ActSpool(journal)
     for name in HALVES:
-        with open_journal(journal) as opened:
+        with open_journal(journal, retention=retention) as opened:
             kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.4, seed=5), registry=registry(calls))
             driver = SimulatedDriver(kernel, opened, GuidelineReasoner(DOMAIN.spec), learner, acts=spool)
             known = kernel.source(name)
@@ -106,6 +112,8 @@ def live(journal: Path, calls: Path) -> None:
             else:
                 driver.put([], kernel.now_ns + to_ns(300.0))
             driver.close()
+            while compact and opened.tidy(1):
+                pass
 
 
 def main() -> None:
@@ -116,7 +124,7 @@ def main() -> None:
         reached[name] += 1
 
     with armed(count) if "--count" in sys.argv else nullcontext():
-        live(Path(sys.argv[1]), Path(sys.argv[2]))
+        live(Path(sys.argv[1]), Path(sys.argv[2]), "--compact" in sys.argv)
     if "--count" in sys.argv:
         print(json.dumps(reached))
 

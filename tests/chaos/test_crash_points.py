@@ -76,8 +76,17 @@ def a_day(folder: Path) -> Day:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
-    day = a_day(tmp_path_factory.mktemp("undisturbed"))
-    run = day.live("", "--count")
+    return without_a_crash(tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def compacted(tmp_path_factory: pytest.TempPathFactory) -> Undisturbed:
+    return without_a_crash(tmp_path_factory, "--compact")
+
+
+def without_a_crash(folders: pytest.TempPathFactory, *how: str) -> Undisturbed:
+    day = a_day(folders.mktemp("undisturbed"))
+    run = day.live("", "--count", *how)
     assert run.returncode == 0, run.stderr
     return Undisturbed(day.export(), day.called(), json.loads(run.stdout), day.lines())
 
@@ -114,7 +123,7 @@ def test_the_day_holds_what_a_crash_could_matter_to(undisturbed: Undisturbed) ->
     assert max(undisturbed.called.values()) == 1
 
 
-@pytest.mark.parametrize("name", CRASH_POINTS)
+@pytest.mark.parametrize("name", [name for name in CRASH_POINTS if not name.startswith("compaction")])
 def test_a_process_that_is_killed_there_loses_and_repeats_nothing(name: str, undisturbed: Undisturbed, tmp_path: Path) -> None:
     day = a_day(tmp_path)
     at_death: list[Line] = []
@@ -143,6 +152,30 @@ def test_a_process_that_is_killed_there_loses_and_repeats_nothing(name: str, und
     assert set(called) == set(undisturbed.called)
     assert not states(lines), "a process is stranded"
     assert day.export() == undisturbed.export
+
+
+@pytest.mark.parametrize("name", [name for name in CRASH_POINTS if name.startswith("compaction")])
+def test_a_process_that_is_killed_in_compaction_keeps_all_that_is_open_and_owed(
+    name: str, compacted: Undisturbed, tmp_path: Path
+) -> None:
+    assert len(compacted.lines) < compacted.lines[-1].position, "something was given up"
+    day = a_day(tmp_path)
+    killed = day.live(f"{name}@{(compacted.reached[name] + 1) // 2}", "--compact")
+    assert killed.returncode == -signal.SIGKILL, f"{name!r} was not reached: {killed.stderr}"
+    at_death, called_then = day.lines(), day.called()
+    promised = answered_calls([line for line in at_death if line.position > at_death[0].position])
+    still_open = states(at_death)
+    assert still_open, "somebody waits at noon"
+    resumed = day.live("", "--compact")
+    assert resumed.returncode == 0, resumed.stderr
+    lines, called = day.lines(), day.called()
+    with open_journal(day.journal) as journal:
+        report = audit(journal)
+    assert report.ok, report.first_offender
+    assert {call: called[call] for call in promised} == {call: called_then[call] for call in promised}, "a call was repeated"
+    assert called == compacted.called
+    assert not states(lines), "a process is stranded"
+    assert day.export() == compacted.export
 
 
 def half_a_day_in_schema_1(day: Day, undisturbed: Undisturbed) -> list[Line]:
