@@ -108,6 +108,15 @@ def test_evidence_that_is_kept_outlives_a_commit_that_failed() -> None:
     assert any(b"e1" in value for value in journal.state().values())
 
 
+def test_a_live_mind_has_made_evidence_durable_when_it_says_so_although_nobody_waits_for_it() -> None:
+    async def told() -> dict[str, bytes]:
+        async with wakeful.open_live("service_robot") as mind:
+            await mind.tell(Evidence(id="e1", topic="reading", key="pump", at_ns=0))
+            return mind.journal.state()
+
+    assert any(b'"e1"' in value for value in asyncio.run(told()).values())
+
+
 def test_the_opening_of_a_journal_that_is_interrupted_leaves_no_lock(tmp_path: Path) -> None:
     with crashing("journal: file made"), pytest.raises(Crashed):
         open_journal(tmp_path / "a.db")

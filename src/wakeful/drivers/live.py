@@ -30,6 +30,7 @@ from wakeful.facts.packs import Entry, expanded
 from wakeful.facts.processes import State
 from wakeful.journal.acts import ActSpool, Handed
 from wakeful.kernel import Kernel
+from wakeful.scheduling.evidence import KEPT
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -111,6 +112,7 @@ class LiveDriver:
         self._settled: dict[str, list[asyncio.Future[Concluded]]] = {}
         self._commits = ThreadPoolExecutor(max_workers=1, thread_name_prefix="wakeful-journal")
         self._position = -1
+        self._state: dict[str, bytes | None] = {}
         self._wake_ns: int | None = None
         self._error: JournalError | None = None
         self._closing = False
@@ -303,10 +305,13 @@ class LiveDriver:
         return self._acts.waiting()
 
     async def _commit(self, requests: Requests) -> None:
-        if requests.lines or requests.blobs:
+        self._state.update(self.kernel.changed())
+        # Evidence that nobody waits for yet gives no line, and whoever told it was promised that it is durable.
+        if requests.lines or requests.blobs or any(key.startswith(KEPT) for key in self._state):
             reach("feed: decided")
             loop = asyncio.get_running_loop()
-            await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, self.kernel.changed(), requests.blobs)
+            state, self._state = self._state, {}
+            await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, state, requests.blobs)
             if requests.blobs:
                 reach("publication: committed")
             if self._tidied is None or self._tidied.done():

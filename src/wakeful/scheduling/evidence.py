@@ -9,7 +9,8 @@ import msgspec
 from wakeful.facts.evidence import Evidence
 
 _KEPT = msgspec.json.Decoder(tuple[Evidence, ...])
-_PREFIX = "evidence/"
+#: Under this and its topic and key a piece of evidence stands in the keyed state.
+KEPT = "evidence/"
 
 #: At most so many pieces are kept of one (topic, key), and so many keys in all; the oldest go first.
 MAX_PER_KEY = 64
@@ -61,13 +62,13 @@ class EvidenceShelf:
         parts: dict[str, bytes | None] = {}
         for name in self._dirty:
             kept = self._shelf.get(name)
-            parts[_PREFIX + name] = msgspec.json.encode(kept) if kept else None
+            parts[KEPT + name] = msgspec.json.encode(kept) if kept else None
         self._dirty.clear()
         return parts
 
     def restore(self, state: Mapping[str, bytes]) -> None:
         """Take up what was committed. The order of keys by age is that of their newest piece."""
-        found = {key[len(_PREFIX) :]: _KEPT.decode(value) for key, value in state.items() if key.startswith(_PREFIX)}
+        found = {key[len(KEPT) :]: _KEPT.decode(value) for key, value in state.items() if key.startswith(KEPT)}
         self._shelf = dict(sorted(found.items(), key=lambda item: (_came_ns(item[1][-1]), item[0])))
 
 
