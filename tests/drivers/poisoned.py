@@ -55,7 +55,7 @@ async def poison_later() -> int:
 
 @treatment(says="Attends to it in three steps.")
 async def attend(event: Event, mind: MindView) -> Attended:
-    poisonous = event.entity == "poison"
+    poisonous = event.entity == "poison" and WAY != "mended"
     if poisonous and WAY == "at-once":
         poison()
     await mind.work(2)

@@ -77,7 +77,7 @@ def test_a_program_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
 
 def test_a_command_that_stalls_says_where_and_is_started_again(tmp_path: Path) -> None:
     body = "tell('READY=1\\nSTATUS=7 admitted')\ndef spin():\n    while True: pass\nif starts == 1: spin()"
-    done = watch(tmp_path, body, "--stall-s", "0.5")
+    done = watch(tmp_path, body, "--stall-s", "2")
     assert (done.returncode, starts(tmp_path)) == (0, 2)
     assert "stalled" in done.stderr
     assert "7 admitted" in done.stderr
@@ -86,18 +86,18 @@ def test_a_command_that_stalls_says_where_and_is_started_again(tmp_path: Path) -
 
 def test_one_that_ignores_the_abort_is_killed_all_the_same(tmp_path: Path) -> None:
     body = "signal.signal(signal.SIGABRT, signal.SIG_IGN)\ntell('READY=1')\nif starts == 1: time.sleep(60)"
-    done = watch(tmp_path, body, "--stall-s", "0.2")
+    done = watch(tmp_path, body, "--stall-s", "2")
     assert (done.returncode, starts(tmp_path)) == (0, 2)
 
 
 def test_one_that_beats_is_left_alone(tmp_path: Path) -> None:
-    body = "tell('READY=1')\nfor _ in range(20):\n    time.sleep(0.1)\n    tell('WATCHDOG=1')"
-    done = watch(tmp_path, body, "--stall-s", "1")
+    body = "tell('READY=1')\nfor _ in range(12):\n    time.sleep(0.5)\n    tell('WATCHDOG=1')"
+    done = watch(tmp_path, body, "--stall-s", "4")
     assert (done.returncode, starts(tmp_path)) == (0, 1)
 
 
 def test_one_that_never_becomes_ready_is_started_again_unless_it_need_not(tmp_path: Path) -> None:
-    done = watch(tmp_path, "if starts == 1: time.sleep(60)", "--start-s", "0.5")
+    done = watch(tmp_path, "if starts == 1: time.sleep(60)", "--start-s", "4")
     assert (done.returncode, starts(tmp_path)) == (0, 2)
     assert "did not become ready" in done.stderr
     done = watch(tmp_path, "time.sleep(0.5)", "--start-s", "0", "--stall-s", "0.1")
