@@ -8,6 +8,7 @@ from typing import BinaryIO
 
 import msgspec
 
+from wakeful.facts.crashes import CRASHED
 from wakeful.facts.lines import RESUMPTION, Admitted, Line, Noted, Opened
 from wakeful.journal.readable import Readable, event_of, process_of, tag_of
 
@@ -37,7 +38,7 @@ def exported(journal: Readable, *, stable: bool = False) -> Iterator[Line]:
         record = line.record
         if isinstance(record, Opened) and record.resumed_at > 0:
             continue
-        if isinstance(record, Noted) and record.what == RESUMPTION:
+        if isinstance(record, Noted) and record.what in (RESUMPTION, CRASHED):
             continue
         position += 1
         if isinstance(record, Admitted):
