@@ -17,6 +17,7 @@ import click
 import msgspec
 import numpy as np
 
+from wakeful.contracts.learner import Predictor
 from wakeful.experiments.exp1_events import events, labels_of, spec
 from wakeful.experiments.worlds.service_events import TREATMENTS, VARIANTS, Split, Variant, World, world
 from wakeful.facts.inputs import TrainingJob
@@ -26,6 +27,8 @@ from wakeful.learning.material import Flags, Floats, Ints, Material
 from wakeful.learning.model import Model, probabilities
 from wakeful.learning.network import softmax
 from wakeful.learning.panel import PanelReader, fit_panels
+from wakeful.learning.pooled import Pooled
+from wakeful.learning.predictor import TwoHeadsPredictor
 from wakeful.learning.rule_lists import RuleReader, fit_rules
 from wakeful.learning.rule_search import SearchSettings
 from wakeful.learning.two_heads import TwoHeads
@@ -55,14 +58,19 @@ def material(x: Floats, y: Ints) -> Material:
     return Material(x=x, treatment=y, result=none, refuted=none, weight=ones, result_weight=ones)
 
 
-def network(rows: Material, held_back: Flags, seed: int) -> Model:
-    """The product's two-headed network."""
+def job_of(rows: Material, held_back: Flags, seed: int) -> TrainingJob:
+    """The rows as a training from scratch."""
     n = len(rows.x)
-    job = TrainingJob(
+    return TrainingJob(
         training=1, base_version=0, base_weights=b"", watermark=n, seed=seed, epochs=140, treatments=TREATMENTS,
         labels=("none", "intervention"), features=rows.x, treatment=rows.treatment, result=rows.result, refuted=rows.refuted,
         weight=rows.weight, held_back=held_back,
     )  # fmt: skip
+
+
+def network(rows: Material, held_back: Flags, seed: int) -> Model:
+    """The product's two-headed network."""
+    job = job_of(rows, held_back, seed)
     return TwoHeads().fitted(job, rows.rows(~held_back), rows.rows(held_back), None)[0]
 
 
@@ -78,9 +86,10 @@ def pairwise(rows: Material, x: Floats) -> Floats:
 
     inputs, told = products(rows.x), np.eye(len(TREATMENTS))[rows.treatment]
     kernel, dual = inputs @ inputs.T, np.zeros((len(inputs), len(TREATMENTS)))
+    rate = 1.0 / (0.5 * float(np.linalg.norm(kernel, 2)) + 0.3)
     for _ in range(400):
         slope = softmax(kernel @ dual) - told + 0.3 * dual
-        dual -= slope / (0.5 * np.linalg.norm(kernel, 2) + 0.3)
+        dual -= rate * slope
     return softmax(products(x) @ (inputs.T @ dual))
 
 
@@ -149,10 +158,45 @@ class Tally(msgspec.Struct):
     loss: list[float] = []
 
 
+def print_cost() -> None:
+    """Print what training and one estimate cost, the network alone beside the pool: medians of single calls, taken in turn."""
+    of = world(VARIANTS[0], SEEDS[0])
+    x = np.vstack([features(of, "training", True), features(of, "calibration", True)])
+    y = np.concatenate([labels_of(of.training), labels_of(of.calibration)])
+    held_back = np.arange(len(y)) >= len(of.training)
+    rows, new = material(x, y), features(of, "test", True)
+    readers: list[tuple[str, Predictor]] = []
+    for learner in (TwoHeads(), Pooled()):
+        began = time.process_time()
+        _, weights = learner.train(job_of(rows, held_back, SEEDS[0]))
+        print(f"{learner.name:12} trained in {time.process_time() - began:.2f} s of processor time, {len(weights):,} bytes")
+        readers.append((learner.name, learner.load(weights)))
+    spent: dict[str, list[float]] = {}
+    for turn in range(2000):
+        row = new[turn % len(new)]
+        for name, reader in readers:
+            began = time.perf_counter()
+            reader.estimate(row)
+            spent.setdefault(f"{name}, one event", []).append(time.perf_counter() - began)
+        if turn % 20 == 0:
+            for name, reader in readers:
+                assert isinstance(reader, TwoHeadsPredictor)
+                began = time.perf_counter()
+                reader.estimate_rows(new[:64])
+                spent.setdefault(f"{name}, one of 64", []).append((time.perf_counter() - began) / 64)
+    for name, seconds in spent.items():
+        low, middle, high = np.percentile(np.array(seconds) * 1e6, [10, 50, 90])
+        print(f"{name:24}{middle:8.1f} µs{low:10.1f} .. {high:.1f}")
+
+
 @click.command()
 @click.option("--seeds", default=len(SEEDS), help="How many of the tuning seeds.")
-def main(seeds: int) -> None:
+@click.option("--cost", is_flag=True, help="Print what the choice costs instead.")
+def main(seeds: int, cost: bool) -> None:
     """Print each candidate's accuracy and log loss on what was left out, by variant."""
+    if cost:
+        print_cost()
+        return
     tallies: dict[tuple[str, str], Tally] = {}
     took: dict[str, float] = {}
     for variant in VARIANTS:

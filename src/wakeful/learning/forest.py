@@ -154,15 +154,21 @@ class ForestReader:
         self._leaf, self._base = model.leaf.ravel(), model.base
         self._first_node = np.arange(trees) * inner
         self._step = 1 - self._first_node
+        self._second_node = self._first_node + 1
+        self._root_column, self._root_cut = self._column[self._first_node], self._cut[self._first_node]
         self._to_leaf = np.arange(trees) - inner
 
     def logits(self, x: Floats) -> Floats:
         """Logits (k,) for one row (d,)."""
-        node = self._first_node
-        for _ in range(self._depth):
-            # The children of node i of a tree whose nodes begin at f lie at f + 2 (i - f) + 1 and + 2.
-            node = 2 * node + self._step + (x[self._column[node]] > self._cut[node])
-        return np.asarray(self._base + self._leaf[node + self._to_leaf].reshape(-1, len(self._base)).sum(axis=0))
+        # The children of node i of a tree whose nodes begin at f lie at f + 2 (i - f) + 1 and + 2.
+        node = self._second_node + (x.take(self._root_column) > self._root_cut)
+        for _ in range(self._depth - 1):
+            further = x.take(self._column.take(node)) > self._cut.take(node)
+            node += node
+            node += self._step
+            node += further
+        node += self._to_leaf
+        return np.asarray(self._base + self._leaf.take(node).reshape(-1, len(self._base)).sum(axis=0))
 
     def logits_many(self, x: Floats) -> Floats:
         """The same for rows, (n, k)."""

@@ -75,9 +75,9 @@ class PanelReader:
 
     def alone(self, x: Floats) -> tuple[list[float], list[float]]:
         """The probabilities by rules, (k,), and the logits of the trees, (k,), for one row (d,)."""
-        seen = x[self._columns]
+        seen = x.take(self._columns)
         if self._shifted:
-            seen = seen + self._slopes * x[self._others]
+            seen = seen + self._slopes * x.take(self._others)
         return self._rules.shares(x).tolist(), self._forest.logits(seen).tolist()
 
     def logs_many(self, x: Floats) -> Floats:

@@ -115,6 +115,7 @@ class RuleReader:
 
     def __init__(self, model: RuleLists) -> None:
         self._columns, self._others, self._slopes, self._limits, self._above = as_arrays(model.clauses)
+        self._oblique = bool(self._slopes.any())
         self._lists: list[tuple[list[tuple[int, int]], int]] = []
         start = 0
         for rules in model.lists:
@@ -142,7 +143,10 @@ class RuleReader:
         return self._first(self._holds(x))
 
     def _holds(self, x: Floats) -> int:
-        flags = (x[self._columns] + self._slopes * x[self._others] > self._limits) == self._above
+        values = x.take(self._columns)
+        if self._oblique:
+            values = values + self._slopes * x.take(self._others)
+        flags = (values > self._limits) == self._above
         return int.from_bytes(np.packbits(flags, bitorder="little").tobytes(), "little")
 
     def _of(self, holds: int) -> Floats:
