@@ -63,7 +63,7 @@ class Totals(msgspec.Struct, kw_only=True):
     outside_calls: int = 0
     in_doubt: int = 0
     reasoner_calls: int = 0
-    cpu_s_per_seed: float = 0.0
+    cpu_s: float = 0.0
 
     def add(self, told: Trial) -> None:
         """Take in one seed."""
@@ -86,7 +86,8 @@ class Totals(msgspec.Struct, kw_only=True):
 
     def as_row(self) -> dict[str, int | float]:
         """The sums by name."""
-        return {name: getattr(self, name) for name in self.__struct_fields__}
+        counted = {name: getattr(self, name) for name in self.__struct_fields__}
+        return counted | {"cpu_s_per_seed": round(self.cpu_s / max(1, self.seeds), 4)}
 
 
 def trial(seed: int) -> Trial:
