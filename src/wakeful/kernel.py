@@ -45,7 +45,7 @@ from wakeful.facts.lines import (
     Witnessed,
 )
 from wakeful.facts.packs import AnyBurst, Covered, Entry, Inquired, Pack, Ran, Validated, Woken
-from wakeful.facts.results import Result
+from wakeful.facts.results import Forecast, Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import LARGEST_NS, Stamp, to_ns, to_s
 from wakeful.learning.cells import Cells
@@ -95,8 +95,10 @@ class Kernel:
         spec = domain.spec
         options = spec.treatments or registry.names()
         self._now_ns = 0
+        self._within_ns = to_ns(spec.outcome.within_s)
         self._left: int | None = None
         self._calm_ns = 0
+        self._concluding: Forecast | None = None
         self._position = 0
         self._sources = Sources(domain, settings.seed)
         self._events: OrderedDict[str, Event] = OrderedDict()
@@ -194,7 +196,15 @@ class Kernel:
         inputs = list(inputs)
         self._foresee(inputs)
         for each in inputs:
-            self._take(each)
+            if isinstance(each, Instant):
+                self._go_on_to(each.at_ns)
+                continue
+            if isinstance(each, Draft):
+                self._encountered(each)
+            elif isinstance(each, Outcome):
+                self._validate(each)
+            else:
+                self._take(each)
             if self._calm_ns <= self._now_ns:
                 self._until(self._now_ns)
         self._foreseen.clear()
@@ -217,11 +227,9 @@ class Kernel:
             case Mark(source=source, position=position):
                 self._sources.states[source].cursor = position
             case Instant(at_ns=at_ns):
-                self._until(at_ns)
-                self._now_ns = max(self._now_ns, at_ns)
+                self._go_on_to(at_ns)
             case Draft():
-                self._hear(item.source)
-                self._offer(item)
+                self._encountered(item)
             case Evidence():
                 self._evidence(item)
             case Outcome():
@@ -248,6 +256,23 @@ class Kernel:
         if opened.resumed_at and begin.offset_ns:
             told = f"{begin.source}: its clock was set anew; {to_s(begin.offset_ns):.1f} s now take it to kernel time"
             self.write(Noted(what="clock set anew", detail=told, source=begin.source))
+
+    def _go_on_to(self, at_ns: int) -> None:
+        if at_ns > self._now_ns:
+            if self._calm_ns <= at_ns:
+                self._until(at_ns)
+            self._now_ns = at_ns
+
+    def _encountered(self, draft: Draft) -> None:
+        """An event that was registered elsewhere."""
+        source = self._sources.states[draft.source]
+        if source.heard_ns != self._now_ns:
+            self._hear(draft.source)
+        if draft.condition is None:
+            source.offered += 1
+            self._cover(draft)
+        else:
+            self._offer(draft)
 
     def _encounter(self, observation: Observation) -> None:
         """Encounter and register: e = D(o, c) (Eq. 1)."""
@@ -288,14 +313,17 @@ class Kernel:
         digest = self._sources.states[draft.source].digest
         stamp = Stamp(source_ns=draft.at_ns, clock=draft.clock, uncertainty_ns=draft.uncertainty_ns, received_ns=self._now_ns)
         record = self._admission.admit(draft, digest, stamp)
-        if isinstance(record, Admitted):
+        if not isinstance(record, Admitted):
+            self.write(record)
+            return
+        shed = ""
+        if self._scheduler.processes.backlog or len(self._scheduler.processes) >= self._overload.settings.most_open:
             load = self._scheduler.load(draft.source)
             if objection := self._overload.objection(record.event, load):
                 self.write(self._admission.reject(draft, objection))
                 return
-            self._covered(record, draft, self._overload.sheds(record.event, load))
-        else:
-            self.write(record)
+            shed = self._overload.sheds(record.event, load)
+        self._covered(record, draft, shed)
 
     def _covered(self, admitted: Admitted, draft: Draft, shed: str) -> None:
         """Give an admitted event its process: in one go where its decision is automatic."""
@@ -359,14 +387,16 @@ class Kernel:
 
     def concluded(self, process: int) -> None:
         """A process has its result: it may be judged at once, by an outcome that was there before it."""
-        self._judge(self._validation.concluded(process))
+        judged = self._validation.concluded(process)
+        if judged:
+            self._judge(judged)
 
     def _validate(self, outcome: Outcome) -> None:
         """Validate: V(r, y) against the recorded result (Eq. 10)."""
-        if self._validation.knows(outcome.id):
-            return
         sole = self._validation.sole(outcome, self._now_ns) if self._guarantee is None else None
         if sole is None:
+            if self._validation.knows(outcome.id):
+                return
             self.write(Witnessed(outcome=outcome))
             self._judge(self._validation.match(outcome, self._now_ns))
             return
@@ -497,7 +527,15 @@ class Kernel:
 
     def stir(self, at_ns: int) -> None:
         """Something falls due at that instant."""
-        self._calm_ns = min(self._calm_ns, at_ns)
+        if at_ns < self._calm_ns:
+            self._calm_ns = at_ns
+
+    def resolved(self, burst: Ran, forecast: Forecast | None) -> None:
+        """Record that a process ran to its end, and what came of it; ``forecast`` is the result's own."""
+        self._concluding = forecast
+        self.pack(burst)
+        self._concluding = None
+        self.concluded(burst.process)
 
     def _until(self, now_ns: int) -> None:
         """Do what falls due up to ``now_ns``, in the order of its instants."""
@@ -573,20 +611,20 @@ class Kernel:
                 self._validation.covered(event, burst.process)
                 self._episodes.admit(event)
                 self._exemplars.covered(burst.process, burst.choice)
-                self._revision.covered(burst, now_ns)
+                self._revision.covered(burst)
             case Inquired():
                 self._scheduler.processes.inquired(burst, now_ns)
             case Woken():
                 self._scheduler.processes.woken(burst, now_ns)
             case Ran():
-                forecast = burst.forecast
-                choice = self._scheduler.processes[burst.process].choice
-                self._scheduler.processes.ran(burst, now_ns)
-                self._validation.ran(burst, forecast, now_ns, choice.cell if choice is not None else -1)
-                if burst.closes_ns is not None:
-                    self.stir(burst.closes_ns)
+                process = self._scheduler.processes.ran(burst, now_ns)
+                forecast = burst.forecast if self._concluding is None else self._concluding
+                cell = process.choice.cell if process.choice is not None else -1
+                self._validation.ran(burst, process.event, forecast, now_ns, cell)
+                if burst.closes_ns is not None and burst.closes_ns < self._calm_ns:
+                    self._calm_ns = burst.closes_ns
                 self._episodes.ran(burst, forecast)
-                self._revision.ran(burst, forecast.label if forecast is not None else "", now_ns)
+                self._revision.ran(burst, forecast.label if forecast is not None else "")
             case Validated():
                 self._validated(burst.outcome, burst.judged, burst.experience)
                 if burst.trusted is not None:
@@ -606,7 +644,8 @@ class Kernel:
         self._validation.validated(outcome, judged, experience, self._now_ns)
         self._gain(experience, entry.cell if entry is not None else -1)
         self._episodes.validated(judged, experience)
-        self._counsel.apply(judged)
+        if self._counsel.judged(judged.process):
+            self._counsel.apply(judged)
         self._revision.validated(experience, self._now_ns)
 
     def _gain(self, experience: Experience, cell: int) -> None:
@@ -641,7 +680,7 @@ class Kernel:
 
     def closes_ns(self, arrived_ns: int) -> int:
         """When the window closes in which the world may show the outcome of an event that arrived then."""
-        return arrived_ns + to_ns(self.domain.spec.outcome.within_s)
+        return arrived_ns + self._within_ns
 
     def _requests(self) -> Requests:
         instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())

@@ -14,8 +14,8 @@ from wakeful.facts.events import Condition, Event, Phase
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Answer, Call
 from wakeful.facts.lines import Admitted, AnyRecord, Concluded, Line, Noted
-from wakeful.facts.packs import AnyBurst
-from wakeful.facts.results import Result
+from wakeful.facts.packs import AnyBurst, Ran
+from wakeful.facts.results import Forecast, Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import NS_PER_S, Stamp, to_ns
 from wakeful.scheduling import Scheduler, SuspendResume
@@ -114,6 +114,9 @@ class World:
 
     def stir(self, at_ns: int) -> None:
         pass
+
+    def resolved(self, burst: Ran, forecast: Forecast | None) -> None:
+        self.pack(burst)
 
     def pack(self, burst: AnyBurst) -> None:
         for record in burst.records():

@@ -14,7 +14,8 @@ from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.inputs import Act, Call
 from wakeful.facts.lines import Acted, Admitted, AnyRecord, Created, Decided, Line, Noted, Reopened
-from wakeful.facts.packs import AnyBurst
+from wakeful.facts.packs import AnyBurst, Ran
+from wakeful.facts.results import Forecast
 from wakeful.facts.settings import MindSettings
 from wakeful.scheduling import Scheduler, SuspendResume
 from wakeful.scheduling.evidence import EvidenceShelf
@@ -64,6 +65,9 @@ class _AtRest:
 
     def stir(self, at_ns: int) -> None:
         """Nothing falls due at rest."""
+
+    def resolved(self, burst: Ran, forecast: Forecast | None) -> None:  # noqa: ARG002
+        self.pack(burst)
 
     def pack(self, burst: AnyBurst) -> None:
         for record in burst.records():

@@ -25,6 +25,10 @@ _PRIOR = np.log(np.exp(-np.array(NOISE) / 0.15).repeat(len(CHANGE)))
 MEMORY: Final = 60.0
 """Validations over which the estimate forgets."""
 _LEAST = 1e-12
+_KEEP = 1.0 - 1.0 / MEMORY
+
+#: So many foretold validations are counted in at a time.
+TOGETHER: Final = 64
 
 
 class Repeatability:
@@ -32,21 +36,39 @@ class Repeatability:
 
     def __init__(self) -> None:
         self._logs: Floats = np.zeros(len(_NOISE))
+        self._waiting: list[tuple[float, int]] = []
 
     @property
     def logs(self) -> Floats:
         """The pairs' log weights, prior included, not normalised."""
-        return _PRIOR + self._logs
+        return _PRIOR + self._with_waiting()
 
     def learn(self, chances: Floats) -> None:
         """One validation: the chance that each pair had given to what came, (pairs,)."""
-        self._logs *= 1.0 - 1.0 / MEMORY
-        self._logs += np.log(np.maximum(chances, _LEAST))
+        if self._waiting:
+            self._logs, self._waiting = self._with_waiting(), []
+        self._logs = self._logs * _KEEP + np.log(np.maximum(chances, _LEAST))
         self._logs -= self._logs.max()
 
     def foretold(self, share: float, values: int) -> None:
-        """One validation of something that had been foretold with probability ``share`` among so many possible ones."""
-        self.learn(share * (1.0 - _NOISE) + (1.0 - share) * _NOISE / max(1, values - 1))
+        """One validation of something that had been foretold with probability ``share`` among so many possible ones.
+
+        Nearly all validations are of this kind: they are counted in by so many at once, at places that don't depend on who asks.
+        """
+        self._waiting.append((share, values))
+        if len(self._waiting) == TOGETHER:
+            self._logs, self._waiting = self._with_waiting(), []
+
+    def _with_waiting(self) -> Floats:
+        """The log weights with what is not counted in yet."""
+        if not self._waiting:
+            return self._logs
+        share, values = np.array(self._waiting).T
+        share = share[:, None]
+        chances = share * (1.0 - _NOISE) + (1.0 - share) * _NOISE / np.maximum(1.0, values - 1.0)[:, None]
+        weights = _KEEP ** np.arange(len(values) - 1, -1, -1)
+        logs = self._logs * _KEEP ** len(values) + weights @ np.log(np.maximum(chances, _LEAST))
+        return np.asarray(logs - logs.max())
 
     @property
     def noise(self) -> float:

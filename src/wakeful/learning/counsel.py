@@ -64,6 +64,10 @@ class Counsel:
         model, reasoner = self.weights
         return {name: round(model * prior.get(name, 0.0) + reasoner * said[name], _DIGITS) for name in labels}
 
+    def judged(self, process: int) -> bool:
+        """Whether a verdict on that process would teach anything: nobody but the model forecast an automatic one."""
+        return process in self._models
+
     def apply(self, record: AnyRecord) -> None:
         """Take up one record; all but decisions, reasoners' answers and verdicts are passed over."""
         if isinstance(record, Decided):

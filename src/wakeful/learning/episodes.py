@@ -225,19 +225,23 @@ class Episodes:
 
     def ran(self, burst: Ran, forecast: Forecast | None) -> None:
         """Take up what a process without a parent has concluded, as ``apply`` of its lines does."""
-        entry = self._entry(burst.event)
-        if entry is not None:
+        at = self._at.get(burst.event)
+        if at is not None:
+            at -= self._forgotten
+            entry = self._entries[at]
             entry.treatment, entry.result = burst.treatment, burst.result
             entry.predicted = forecast.label if forecast is not None else ""
-            self._concluded[self._place_of(burst.event)] = 1
+            self._concluded[at] = 1
 
     def validated(self, judged: Judged, experience: Experience) -> None:
         """Take up a verdict and its experience, as ``apply`` of their lines does."""
-        entry = self._entry(judged.event)
-        if entry is not None:
-            entry.predicted, entry.outcome, entry.verdict = judged.predicted, judged.label, judged.verdict.value
+        at = self._at.get(judged.event)
+        if at is not None:
+            at -= self._forgotten
+            entry = self._entries[at]
+            entry.predicted, entry.outcome, entry.verdict = judged.predicted, judged.label, judged.verdict
             entry.experience = experience.id
-            self._experienced[self._place_of(judged.event)] = 1
+            self._experienced[at] = 1
 
     def _entry(self, event: str) -> _Entry | None:
         at = self._at.get(event)

@@ -80,12 +80,13 @@ class Drift:
             if stream.seen == self.settings.baseline:
                 self._begin(stream)
             return
+        evidence, longest = stream.evidence, stream.longest
         for place, bet in enumerate(BETS):
-            growth = 1.0 + bet / stream.allowed * (wrong - stream.allowed)
-            stream.evidence[place] = growth * (stream.evidence[place] + 1.0)
-            if stream.longest[place] <= 1.0:
-                stream.longest[place], stream.since[place] = 1.0, stream.seen
-            stream.longest[place] *= growth
+            growth = 1.0 + bet / stream.allowed * (1.0 - stream.allowed) if wrong else 1.0 - bet
+            evidence[place] = growth * (evidence[place] + 1.0)
+            if longest[place] <= 1.0:
+                longest[place], stream.since[place] = 1.0, stream.seen
+            longest[place] *= growth
 
     def alarm(self, treatment: str) -> Alarm | None:
         """Whether the treatment errs more than before, as of what was learned; asking changes nothing."""

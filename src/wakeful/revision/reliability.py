@@ -25,7 +25,11 @@ class Reliability:
 
     def learn(self, experience: Experience, rests_on: tuple[int, ...]) -> None:
         """Compare an experience's outcome with that of the likest one that its decision rested on."""
-        likest = next((self._labels[id_] for id_ in rests_on if id_ in self._labels), None)
+        likest: str | None = None
+        for id_ in rests_on:
+            likest = self._labels.get(id_)
+            if likest is not None:
+                break
         if likest is not None:
             self._agreed *= self._keep
             self._differed *= self._keep

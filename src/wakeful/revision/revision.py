@@ -119,6 +119,10 @@ class Revision:
         """The change of trust that an experience brings, none where there is none. It was applied (Gained) just before."""
         treatment = experience.treatment
         share, standing = self._track.share(treatment), self._track.standing(treatment)
+        if experience.verdict is Verdict.SUPPORTED:
+            level = share * (standing + self.settings.gain * min(1.0, experience.weight) * (1.0 - standing))
+            if round(min(1.0, max(0.0, level)), _DIGITS) == self._trust.get(treatment, self.settings.initial):
+                return []
         said = f"{share:.0%} of its recent results were supported"
         if experience.verdict is Verdict.SUPPORTED:
             standing += self.settings.gain * min(1.0, experience.weight) * (1.0 - standing)
@@ -235,11 +239,10 @@ class Revision:
         doubt = self.doubt(rests_on) if self._doubts else 1.0
         return round(self.trust(treatment) * doubt, _DIGITS)
 
-    def covered(self, burst: Covered, now_ns: int) -> None:
+    def covered(self, burst: Covered) -> None:
         """Take up an automatic decision: what ``apply`` does with its lines."""
-        self._standing.let_close(now_ns)
         choice, event = burst.choice, burst.event
-        self._standing.decide(
+        self._standing.cover(
             Made(
                 process=burst.process,
                 event=event.id,
@@ -250,9 +253,8 @@ class Revision:
             )
         )
 
-    def ran(self, burst: Ran, label: str, now_ns: int) -> None:
+    def ran(self, burst: Ran, label: str) -> None:
         """Take up a result, with the label that it forecast: what ``apply`` does with its lines."""
-        self._standing.let_close(now_ns)
         self._standing.conclude(burst.process, burst.mode, label, burst.closes_ns)
 
     def validated(self, experience: Experience, now_ns: int) -> None:

@@ -55,6 +55,10 @@ class Standing:
         if before is None or before.closes_ns is None:
             self._made[made.process] = made
 
+    def cover(self, made: Made) -> None:
+        """The first decision of a new process."""
+        self._made[made.process] = made
+
     def conclude(self, process: int, mode: str, label: str, closes_ns: int | None) -> None:
         """A process has its result: until ``closes_ns`` the world may contradict it."""
         made = self._made.get(process)
@@ -68,7 +72,11 @@ class Standing:
         heappush(self._closing, (closes_ns, process))
         if mode == "auto":
             for experience in made.rests_on:
-                self._on.setdefault(experience, set()).add(process)
+                users = self._on.get(experience)
+                if users is None:
+                    self._on[experience] = {process}
+                else:
+                    users.add(process)
 
     def drop(self, process: int) -> None:
         """A process ended without a result."""

@@ -5,6 +5,9 @@ from __future__ import annotations
 from wakeful.facts.experience import Experience, Verdict
 
 
+_NONE = (0.0, 0.0)
+
+
 class Track:
     """Per treatment the expected share of supported results, recent ones counting more, and the standing beside it.
 
@@ -20,7 +23,8 @@ class Track:
 
     def learn(self, experience: Experience) -> None:
         """Count a supported or contradicted result."""
-        supported, contradicted = (count * self._keep for count in self._counts.get(experience.treatment, (0.0, 0.0)))
+        supported, contradicted = self._counts.get(experience.treatment, _NONE)
+        supported, contradicted = supported * self._keep, contradicted * self._keep
         if experience.verdict is Verdict.SUPPORTED:
             supported += experience.weight
         elif experience.verdict is Verdict.CONTRADICTED:
@@ -31,9 +35,8 @@ class Track:
 
     def share(self, treatment: str) -> float:
         """The expected share of its results that the world supports, in (0, 1)."""
-        supported, contradicted = (
-            prior + count for prior, count in zip(self._prior, self._counts.get(treatment, (0.0, 0.0)), strict=True)
-        )
+        supported, contradicted = self._counts.get(treatment, _NONE)
+        supported, contradicted = self._prior[0] + supported, self._prior[1] + contradicted
         return supported / (supported + contradicted)
 
     def standing(self, treatment: str) -> float:

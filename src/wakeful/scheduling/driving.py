@@ -245,10 +245,11 @@ def objection(result: Result) -> str:
     """
     if not 0.0 <= result.confidence <= 1.0:
         return f"its result has confidence {result.confidence}; it must lie in [0, 1]"
-    if result.forecast is not None:
-        shares = (result.forecast.probability, *result.forecast.probabilities.values())
-        if not all(0.0 <= share <= 1.0 for share in shares):
-            return f"its forecast has a probability outside [0, 1]: {shares}"
+    forecast = result.forecast
+    if forecast is not None:
+        shares = forecast.probabilities.values()
+        if not 0.0 <= forecast.probability <= 1.0 or (shares and not (min(shares) >= 0.0 and max(shares) <= 1.0)):
+            return f"its forecast has a probability outside [0, 1]: {(forecast.probability, *shares)}"
     return ""
 
 

@@ -102,20 +102,21 @@ class KernelMind:
 
     def forecast(self) -> Forecast | None:
         """The prior's most probable label; ties go to the label that the domain names first."""
+        first = self._decision
+        if self.current is None and first.__class__ is Choice:
+            shares = first.prior
+            highest = max(shares)
+            if shares.count(highest) == 1:
+                labels = first.basis.labels
+                return Forecast(
+                    label=labels[shares.index(highest)],
+                    probability=highest,
+                    probabilities={name: shares[place] for name, place in _sorted(labels)},
+                    topic=self._domain.outcome.topic,
+                )
         prior = self.prior
         if not prior:
             return None
-        first = self._decision
-        if self.current is None and isinstance(first, Choice):
-            highest = max(first.prior)
-            if first.prior.count(highest) == 1:
-                labels = first.basis.labels
-                return Forecast(
-                    label=labels[first.prior.index(highest)],
-                    probability=highest,
-                    probabilities={name: prior[name] for name in _sorted(labels)},
-                    topic=self._domain.outcome.topic,
-                )
         order = {label: place for place, label in enumerate(self._domain.outcome.labels)}
         label = min(prior, key=lambda name: (-round(prior[name], 9), order.get(name, len(order))))
         return Forecast(
@@ -127,12 +128,12 @@ class KernelMind:
 
     def work(self, steps: int = 1) -> Awaitable[None]:
         """Spend cognitive effort, in steps; none for ``steps`` < 1."""
-        return cast("Awaitable[None]", give(Work(steps)) if steps > 0 else nothing())
+        return give(Work(steps)) if steps > 0 else nothing()  # type: ignore[return-value]  # the answer to work is None
 
     def evidence(self, topic: str, key: str, within_s: float, count: int = 1) -> Awaitable[tuple[Evidence, ...]]:
         """Wait for ``count`` pieces of evidence; fewer when the limit passed."""
         want = Want(kind=Kind.EVIDENCE, key=f"{topic}\x1f{key}", within_s=within_s, count=count)
-        return cast("Awaitable[tuple[Evidence, ...]]", give(want))
+        return give(want)  # type: ignore[return-value]  # whoever drives it answers with what was wanted
 
     async def recall(self, query: Query) -> tuple[Episode, ...]:
         """Search episodic memory."""
@@ -165,5 +166,6 @@ class KernelMind:
 
 
 @lru_cache(maxsize=64)
-def _sorted(labels: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(sorted(labels))
+def _sorted(labels: tuple[str, ...]) -> tuple[tuple[str, int], ...]:
+    """The labels by name, each with its place."""
+    return tuple(sorted((name, place) for place, name in enumerate(labels)))

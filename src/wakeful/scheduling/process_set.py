@@ -64,7 +64,7 @@ class ProcessSet:
 
     def unrivalled(self, process: Process) -> bool:
         """Whether a policy that leaves no slot empty can but let this ready process run on at once: nobody else is ready."""
-        return self._through is not None and len(self._runnable) == 1 and not self._active and not process.held
+        return self._through is not None and len(self._runnable) == 1 and not self._active and not process.held_by
 
     @property
     def next_id(self) -> int:
@@ -238,8 +238,8 @@ class ProcessSet:
         if not process.held:
             self.policy.runnable(process.view(), now_ns)
 
-    def ran(self, burst: Ran, now_ns: int) -> None:
-        """A process took a slot, worked and concluded."""
+    def ran(self, burst: Ran, now_ns: int) -> Process:
+        """A process took a slot, worked and concluded; returns it as it was."""
         process = self._open.pop(burst.process)
         self._runnable.discard(process.id)
         process.state = State.COMPLETED
@@ -251,12 +251,13 @@ class ProcessSet:
         process.coroutine = process.mind = None
         if process is self._untold and self._through is not None:
             self._untold = None
-            self._through.ran_through(process.treatment, process.mode, process.event.kind, burst.steps, now_ns)
-            return
+            self._through.ran_through(burst.treatment, burst.mode, process.event.kind, burst.steps, now_ns)
+            return process
         policy = self.policy
         if self._learns is not None:
             self._learns.completed(process.view(), now_ns)
         policy.gone(process.id, now_ns)
+        return process
 
     def _answered(self, record: Answered, now_ns: int) -> None:
         process = self._open[record.process]

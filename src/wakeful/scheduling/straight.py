@@ -54,6 +54,7 @@ class Straight:
         self._agenda = agenda
         self._instant = host.settings.step_s == 0.0
         self._max_steps = host.settings.max_steps
+        self._window_ns = host.closes_ns(0)
 
     def run(self, process: Process) -> bool:
         """Run it. False where the slots have to be settled: it has to compete, is not an automatic root process, or has come to
@@ -95,7 +96,7 @@ class Straight:
                 return True
             end = wanted(want)
         elif isinstance(want, Result) and not objection(want):
-            self._conclude(process, want, total)
+            self._conclude(process, choice.basis.treatment, want, total)
             return True
         # It holds the slot now, so many steps on: what it has come to is seen to by the ordinary way.
         before = process.steps
@@ -120,22 +121,20 @@ class Straight:
             return None, None
         return process.coroutine.send, None
 
-    def _conclude(self, process: Process, result: Result, steps: int) -> None:
+    def _conclude(self, process: Process, treatment: str, result: Result, steps: int) -> None:
         forecast = result.forecast
-        self._host.pack(
-            Ran(
-                process=process.id,
-                event=process.event.id,
-                before=process.state,
-                steps_before=process.steps,
-                steps=steps,
-                treatment=process.treatment,
-                mode="auto",
-                result=msgspec.Raw(_encode(result)),
-                closes_ns=None if forecast is None else self._host.closes_ns(process.arrived_ns),
-            )
+        burst = Ran(
+            process=process.id,
+            event=process.event.id,
+            before=process.state,
+            steps_before=process.steps,
+            steps=steps,
+            treatment=treatment,
+            mode="auto",
+            result=msgspec.Raw(_encode(result)),
+            closes_ns=None if forecast is None else process.arrived_ns + self._window_ns,
         )
-        self._host.concluded(process.id)
+        self._host.resolved(burst, forecast)
 
     def _waits(self, process: Process, want: Want, steps: int) -> bool:
         """Record that it waits for evidence that has not come; False where it is for the scheduler to see to what it wants."""

@@ -37,6 +37,20 @@ class KnownEvents:
         self._event_of[process] = event
         self._open_on[event] = self._open_on.get(event, 0) + 1
 
+    def covered(self, event: Event, since_ns: int, process: int) -> None:
+        """Both at once, of an event that is new."""
+        identity = event.id
+        self._events[identity] = event
+        self._since_ns[identity] = since_ns
+        self._event_of[process] = identity
+        self._open_on[identity] = 1
+
+    def ran(self, process: int, event: str) -> int:
+        """The process is open no longer; when its event happened, in kernel time."""
+        since_ns = self._since_ns[event]
+        self.completed(process)
+        return since_ns
+
     def completed(self, process: int) -> None:
         """The process is open no longer."""
         event = self._event_of.pop(process, None)

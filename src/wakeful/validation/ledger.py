@@ -19,7 +19,7 @@ ANY = "*"
 class Entry(msgspec.Struct, kw_only=True):
     """One result's forecast. ``since_ns`` and ``until_ns`` bound its window, (since, until], by kernel time.
 
-    ``offset_ns`` is from the event's own time to when it arrived. ``shown`` is the label of the verdict that stands,
+    ``shown`` is the label of the verdict that stands,
     ``decided_by`` its outcome's id, empty where the window closed or the recording ended; ``decided_ns`` its time, None likewise.
     """
 
@@ -35,7 +35,6 @@ class Entry(msgspec.Struct, kw_only=True):
     since_ns: int
     until_ns: int
     closes_ns: int
-    offset_ns: int
     concluded_ns: int
     heard_all: bool = True
     """Whether every outcome witnessed between the event and its conclusion was still remembered then."""
@@ -45,8 +44,13 @@ class Entry(msgspec.Struct, kw_only=True):
     shown: str = ""
     decided_by: str = ""
     decided_ns: int | None = None
-    overruled: set[str] = msgspec.field(default_factory=set)
+    overruled: frozenset[str] = frozenset()
     """Outcomes that came later in source time, said something else, and were recorded as undecided."""
+
+    @property
+    def offset_ns(self) -> int:
+        """From the event's own time to when it arrived."""
+        return self.closes_ns - self.until_ns
 
 
 class Ledger:
@@ -72,11 +76,16 @@ class Ledger:
 
     def open(self, entry: Entry) -> None:
         """Enter a forecast. Its process must have none yet: a process concludes once."""
-        self._entries[entry.process] = entry
-        self._of_event.setdefault(entry.event, []).append(entry.process)
-        self._timeline.add(self._bucket(entry.entity), entry.since_ns, entry.process)
-        self._open.add(entry.process)
-        heappush(self._closing, (entry.closes_ns, entry.process))
+        process = entry.process
+        self._entries[process] = entry
+        others = self._of_event.get(entry.event)
+        if others is None:
+            self._of_event[entry.event] = [process]
+        else:
+            others.append(process)
+        self._timeline.add(ANY if self._by_robot else entry.entity, entry.since_ns, process)
+        self._open.add(process)
+        heappush(self._closing, (entry.closes_ns, process))
 
     def judged(self, process: int) -> None:
         """The entry has a verdict now: no longer open, still kept for what comes late."""
@@ -92,10 +101,22 @@ class Ledger:
             candidates: Iterable[int] = self._of_event.get(outcome.event, ())
         else:
             candidates = self._around(outcome, longest_ns)
-        for process in list(candidates):
+        for process in tuple(candidates):
             entry = self._entries[process]
             if concerns(outcome, entry, self._by_robot):
                 yield entry
+
+    def sole(self, outcome: Outcome) -> Entry | None:
+        """The one entry that an outcome of its entity may judge, where that is plain to see; None where it is to be looked for."""
+        if self._by_robot or outcome.event or outcome.entity == ANY or ANY in self._timeline:
+            return None
+        found = self._timeline.in_bucket(outcome.entity)
+        if len(found) != 1:
+            return None
+        entry = self._entries[found[0][1]]
+        if not entry.since_ns < outcome.at_ns <= entry.until_ns or outcome.topic != entry.topic:
+            return None
+        return entry
 
     def next_close_ns(self) -> int | None:
         """Kernel time at which the next open window has closed: its last instant still belongs to it."""
@@ -129,7 +150,7 @@ class Ledger:
     def _around(self, outcome: Outcome, longest_ns: int) -> list[int]:
         window = (outcome.at_ns - longest_ns - 1, outcome.at_ns)
         if self._by_robot or outcome.entity == ANY:
-            return list(self._timeline.between(None, *window))
+            return self._timeline.between(None, *window)
         own = self._timeline.between(outcome.entity, *window)
         return [*own, *self._timeline.between(ANY, *window)]
 

@@ -207,13 +207,35 @@ class Validation:
 
     def covered(self, event: Event, process: int) -> None:
         """An event was admitted and a process is open on it, as ``apply`` would be told."""
-        self._events.admitted(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0))
-        self._events.created(process, event.id)
+        self._events.covered(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0), process)
 
-    def ran(self, burst: Ran, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
+    def ran(self, burst: Ran, event: Event, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
         """A process has concluded, as ``apply`` would be told. ``cell``: where its event lies in experience, if that is known."""
-        self._enter(burst, forecast, at_ns, cell)
-        self._events.completed(burst.process)
+        if burst.closes_ns is not None and forecast is not None:
+            forgotten_ns = self._witnesses.forgotten_ns
+            since_ns = self._events.ran(burst.process, event.id)
+            self._made += 1
+            self._ledger.open(
+                Entry(
+                    process=burst.process,
+                    event=event.id,
+                    treatment=burst.treatment,
+                    mode=burst.mode,
+                    label=forecast.label,
+                    topic=forecast.topic or self._spec.topic,
+                    entity=forecast.entity or event.entity,
+                    robot=event.robot,
+                    source=event.source,
+                    since_ns=since_ns,
+                    until_ns=since_ns + self._within_ns,
+                    closes_ns=burst.closes_ns,
+                    concluded_ns=at_ns,
+                    heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
+                    cell=cell,
+                )
+            )
+        else:
+            self._events.completed(burst.process)
 
     def forecast(self, process: int) -> Entry | None:
         """The forecast of a process, with its window and what came of it; None where there is none any more."""
@@ -223,28 +245,49 @@ class Validation:
         """What an outcome that was not witnessed yet brings about in the ordinary case: it decides one open forecast.
 
         Returns:
-            tuple[Judged, Experience] | None: the verdict and its experience; None where the case is another (nothing or several
-            concerned, nothing decided, late, a foreign label), and ``match`` is to be asked.
+            tuple[Judged, Experience] | None: the verdict and its experience; None where the case is another (known already,
+            nothing or several concerned, nothing decided, late, a foreign label), and ``match`` is to be asked.
         """
-        if outcome.label not in self._spec.labels:
+        if outcome.label not in self._spec.labels or self._witnesses.get(outcome.id) is not None:
             return None
-        outcome = self._in_kernel_time(outcome)
-        found = [entry for entry in self._ledger.concerned(outcome, self._within_ns) if self._reaches(outcome, entry)]
-        if len(found) != 1:
+        if self._offset_ns.get(outcome.source):
+            outcome = self._in_kernel_time(outcome)
+        entry = self._ledger.sole(outcome)
+        if entry is None or entry.verdict is not None or entry.closes_ns < now_ns:
             return None
-        entry = found[0]
-        if entry.verdict is not None or entry.closes_ns < now_ns:
+        if self._ended_ns and not self._reaches(outcome, entry):
             return None
-        judged = self._judge(entry, outcome)
-        if judged.verdict is Verdict.UNDECIDED:
-            return None
+        label = entry.label
+        if label == outcome.label:
+            seen = Verdict.SUPPORTED
+        else:
+            seen = verdict(label, outcome.label, outcome.acted_on, self._spec.labels[0])
+            if seen is Verdict.UNDECIDED:
+                return None
+        judged = Judged(
+            process=entry.process,
+            event=entry.event,
+            predicted=label,
+            label=outcome.label,
+            verdict=seen,
+            outcome=outcome.id,
+            lead_ns=outcome.at_ns + entry.closes_ns - entry.until_ns - entry.concluded_ns,
+        )
         return judged, self._experience(entry, judged, outcome)
 
     def validated(self, outcome: Outcome, judged: Judged, experience: Experience, at_ns: int) -> None:
         """An outcome decided a forecast, as ``apply`` would be told."""
-        self._witness(outcome, at_ns)
-        self._decide(judged)
-        self._next_experience = max(self._next_experience, experience.id + 1)
+        if self._offset_ns.get(outcome.source):
+            outcome = self._in_kernel_time(outcome)
+        entry = self._ledger.get(judged.process)
+        if entry is None or entry.verdict is not None or not self._witnesses.add(outcome, at_ns):
+            return  # never so where this is called as it is to be
+        self._witnessed += 1
+        entry.verdict, entry.shown = judged.verdict, judged.label
+        entry.decided_by, entry.decided_ns = judged.outcome, outcome.at_ns
+        self._verdicts[judged.verdict] += 1
+        self._ledger.judged(judged.process)
+        self._next_experience = experience.id + 1
 
     def counts(self) -> Counts:
         """What came of the forecasts so far."""
@@ -263,7 +306,7 @@ class Validation:
             self._witnessed += 1
             self._foreign += outcome.label not in self._spec.labels
 
-    def _enter(self, record: Concluded | Ran, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
+    def _enter(self, record: Concluded, forecast: Forecast | None, at_ns: int) -> None:
         event = self._events.get(record.event)
         if record.closes_ns is None or forecast is None or event is None or self._ledger.get(record.process) is not None:
             return
@@ -284,10 +327,8 @@ class Validation:
                 since_ns=since_ns,
                 until_ns=since_ns + self._within_ns,
                 closes_ns=record.closes_ns,
-                offset_ns=record.closes_ns - since_ns - self._within_ns,
                 concluded_ns=at_ns,
                 heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
-                cell=cell,
             )
         )
 
@@ -298,7 +339,7 @@ class Validation:
         outcome = self._witnesses.get(record.outcome)
         if entry.verdict is not None:
             if outcome is None or not _supersedes(outcome, entry):
-                entry.overruled.add(record.outcome)
+                entry.overruled |= {record.outcome}
                 return
             self._verdicts[entry.verdict] -= 1
         entry.verdict = record.verdict

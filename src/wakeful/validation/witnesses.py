@@ -48,11 +48,16 @@ class Witnesses:
 
     def concerning(self, entry: Entry) -> list[Outcome]:
         """What was witnessed so far that may judge the entry, the first in source time first, then as received."""
+        if not self._by_robot and entry.entity != ANY and not self._may_concern(entry):
+            return []
         ids = set(self._of_event.get(entry.event, ()))
         for bucket in {None} if self._by_robot or entry.entity == ANY else {entry.entity, ANY}:
             ids.update(self._timeline.between(bucket, entry.since_ns, entry.until_ns))
         found = [outcome for id_ in ids if concerns(outcome := self._outcomes[id_], entry, self._by_robot)]
         return sorted(found, key=lambda outcome: (outcome.at_ns, self._received[outcome.id]))
+
+    def _may_concern(self, entry: Entry) -> bool:
+        return entry.entity in self._timeline or entry.event in self._of_event or ANY in self._timeline
 
     def _forget(self, id_: str) -> None:
         outcome = self._outcomes.pop(id_)

@@ -104,6 +104,8 @@ class History:
         self._kinds: dict[Key, Effort] = {}
         self._told: list[Callable[[], None]] = []
         self._ran_through: dict[tuple[Key, int], int] = {}
+        self._ran_now: dict[tuple[Key, int], int] = {}
+        self._ran_ns = 0
         self._told_ns = 0
         self._spent_ns = 0
         self._steps = 0
@@ -119,10 +121,13 @@ class History:
 
     def advance(self, now_ns: int) -> None:
         """Take up what was told before ``now_ns``."""
-        if now_ns > self._told_ns and (self._told or self._ran_through):
+        if self._told and now_ns > self._told_ns:
             for learn in self._told:
                 learn()
             self._told.clear()
+        if self._ran_now and now_ns > self._ran_ns:
+            self._take_up_now()
+        if self._ran_through:
             for (key, steps), times in self._ran_through.items():
                 self._all.completed(steps, None, times)
                 self._of_kind(key).completed(steps, None, times)
@@ -131,11 +136,18 @@ class History:
 
     def ran_through(self, key: Key, steps: int, now_ns: int) -> None:
         """A process like these was resolved within an instant, without a wait."""
-        if now_ns > self._told_ns:
-            self.advance(now_ns)
-            self._told_ns = now_ns
+        if now_ns > self._ran_ns:
+            if self._ran_now:
+                self._take_up_now()
+            self._ran_ns = now_ns
         place = key, steps
-        self._ran_through[place] = self._ran_through.get(place, 0) + 1
+        self._ran_now[place] = self._ran_now.get(place, 0) + 1
+
+    def _take_up_now(self) -> None:
+        ran = self._ran_through
+        for place, times in self._ran_now.items():
+            ran[place] = ran.get(place, 0) + times
+        self._ran_now.clear()
 
     def completed(self, view: ProcessView, steps_before_wait: int | None, now_ns: int) -> None:
         """A process was resolved; ``view`` is its last one."""
