@@ -182,6 +182,22 @@ def test_a_model_of_other_fields_is_named_and_the_mind_goes_on_by_guidelines() -
     assert audit(journal).ok
 
 
+def test_a_model_that_forecasts_what_is_no_outcome_any_more_is_named_and_the_mind_goes_on_by_guidelines() -> None:
+    journal = run([event(n, n * 400, kind="leak" if n % 2 else "alarm") for n in range(40)])
+    other = WithGap(None)
+    labels = tuple(f"new {label}" for label in other.spec.outcome.labels)
+    other.spec = msgspec.structs.replace(other.spec, outcome=msgspec.structs.replace(other.spec.outcome, labels=labels))
+    kernel, learner = assemble(other)
+    driver = SimulatedDriver(kernel, journal, GuidelineReasoner(other.spec), learner)
+    for _ in driver.run("later", "later", lambda after: iter([event(0, 50_000)][after + 1 :])):
+        pass
+    driver.close()
+    named = [record.detail for record in records(journal, Noted) if record.what == "model not usable"]
+    assert len(named) == 1
+    assert "which is no outcome of domain" in named[0]
+    assert records(journal, Admitted)[-1].event.source == "later"
+
+
 def test_a_clock_that_runs_backwards_keeps_the_events_times_and_kernel_time_stands_still() -> None:
     journal = run([event(0, 1000), event(1, 10), event(2, 1001)])
     assert [record.event.stamp.source_ns - START_NS for record in records(journal, Admitted)] == [
