@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from wakeful.cli.main import main as wakeful
+from wakeful.contracts.journal import JournalError
 from wakeful.drivers.poison import CrashMark, marked, take_up
 from wakeful.facts.crashes import CRASHED, QUARANTINED, mark
 from wakeful.facts.inputs import Call
@@ -168,6 +169,9 @@ def test_a_mark_from_before_the_machine_restarted_is_not_trusted(tmp_path: Path)
 def test_a_mark_is_for_its_owner_only_and_follows_no_link(tmp_path: Path) -> None:
     CrashMark(tmp_path / "mind.db")
     assert (tmp_path / "mind.db.running").stat().st_mode & 0o777 == 0o600
+    (tmp_path / "other.db.running").symlink_to(tmp_path / "mind.db.running")
+    with pytest.raises(JournalError, match="cannot be written"):
+        CrashMark(tmp_path / "other.db")
 
 
 def test_a_marked_call_gives_what_the_call_gives_and_is_marked_only_while_its_code_runs(tmp_path: Path) -> None:
