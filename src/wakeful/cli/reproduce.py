@@ -14,8 +14,9 @@ from wakeful.cli.progress import Progress as Bar
 from wakeful.cli.terminal import heading, paragraph, say, table
 from wakeful.contracts.reasoner import ReasonerError
 from wakeful.deliberation import SettingsError
-from wakeful.experiments import exp1_treatment, exp2_figures, exp2_processing, exp2_variants
+from wakeful.experiments import exp1_treatment, exp2_figures, exp2_processing, exp2_variants, exp3_learning
 from wakeful.experiments.exp1_asking import ReasonerName
+from wakeful.experiments.report import Part, write_report
 from wakeful.experiments.rows import Progress, Reproduced, Row, table_cells
 
 _COLUMNS = ("method", "workload", "metric", "paper", "ours", "z", "s.e.")
@@ -48,11 +49,19 @@ EXPERIMENTS: dict[str, Experiment] = {
     "exp2-frontier": Experiment(
         exp2_processing.SEEDS, exp2_variants.FRONTIER_RUNS, exp2_variants.reproduce_frontier, exp2_variants.draw_frontier
     ),
+    "exp3": Experiment(exp3_learning.SEEDS, exp3_learning.RUNS_PER_SEED, exp3_learning.reproduce),
 }
+
+ALL: dict[str, str] = {
+    "exp1": "Experiment 1: event-dependent treatment",
+    "exp2": "Experiment 2: continuous processing",
+    "exp3": "Experiment 3: continuous learning, revision and reuse",
+}
+"""What ``all`` runs, with the headings of its report."""
 
 
 @click.command("reproduce")
-@click.argument("experiment", type=click.Choice([*EXPERIMENTS]))
+@click.argument("experiment", type=click.Choice([*EXPERIMENTS, "all"]))
 @option("--seeds", "count", type=click.IntRange(min=1), default=None, help="How many seeds. Without it: the project's own list.")
 @option("--first-seed", type=int, default=None, help="Seeds S, S+1, … in place of the project's own list.")
 @option(
@@ -69,28 +78,46 @@ def reproduce_command(
     """Run one of the paper's experiments and print its tables beside the paper's figures.
 
     z is the distance from the paper's mean in units of its standard deviation, s.e. in standard errors of its ten-seed mean.
+    With all, the three experiments follow each other, and --out gets one report of them, in HTML and Markdown.
     """
-    chosen = EXPERIMENTS[experiment]
-    seeds = chosen_seeds(chosen.seeds, count, first_seed)
-    bar = Bar(chosen.runs_per_seed * len(seeds))
+    names = [*ALL] if experiment == "all" else [experiment]
+    seeds = {name: chosen_seeds(EXPERIMENTS[name].seeds, count, first_seed) for name in names}
+    bar = Bar(sum(EXPERIMENTS[name].runs_per_seed * len(of) for name, of in seeds.items()))
+    parts: list[Part] = []
+    written: list[Path] = []
     try:
-        if chosen.reasoned is not None:
-            found = chosen.reasoned(seeds, bar.show, reasoner)
-        else:
-            found = chosen.reproduce(seeds, bar.show) if chosen.reproduce is not None else Reproduced([])
+        for name, of in seeds.items():
+            found = _run(EXPERIMENTS[name], of, _after(bar, names[: names.index(name)], seeds), reasoner)
+            files = _write(name, found, EXPERIMENTS[name], out) if out is not None else []
+            written += files
+            parts.append(Part(ALL.get(name, name), of, found, files))
     except (SettingsError, ReasonerError) as error:
         raise click.ClickException(str(error)) from error
     finally:
         bar.clear()
-    written = _write(experiment, found, chosen, out) if out is not None else []
+    if experiment == "all" and out is not None:
+        written += write_report(parts, out)
     if as_json:
-        print_json(found.rows)
+        print_json([row for part in parts for row in part.found.rows])
         return
-    _print(found.rows, seeds)
-    for remark in found.remarks:
-        paragraph(remark, indent=0)
+    for part in parts:
+        _print(part.found.rows, tuple(part.seeds))
+        for remark in part.found.remarks:
+            paragraph(remark, indent=0)
     for path in written:
         say(f"written: {path}")
+
+
+def _run(chosen: Experiment, seeds: tuple[int, ...], progress: Progress, reasoner: ReasonerName) -> Reproduced:
+    if chosen.reasoned is not None:
+        return chosen.reasoned(seeds, progress, reasoner)
+    return chosen.reproduce(seeds, progress) if chosen.reproduce is not None else Reproduced([])
+
+
+def _after(bar: Bar, earlier: Sequence[str], seeds: dict[str, tuple[int, ...]]) -> Progress:
+    """The bar's progress, where these experiments are done already."""
+    done = sum(EXPERIMENTS[name].runs_per_seed * len(seeds[name]) for name in earlier)
+    return lambda runs, events: bar.show(done + runs, events)
 
 
 def chosen_seeds(own: tuple[int, ...], count: int | None, first_seed: int | None) -> tuple[int, ...]:

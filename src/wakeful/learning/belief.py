@@ -20,7 +20,8 @@ CHANGE: Final = (0.0003, 0.001, 0.003, 0.01, 0.03)
 """The chance that a thing is redrawn from one experience of the mind to the next, whatever that is an experience of."""
 _NOISE = np.repeat(np.array(NOISE), len(CHANGE))
 _CHANGE = np.tile(np.array(CHANGE), len(NOISE))
-_PRIOR = np.log(np.exp(-np.array(NOISE) / 0.15).repeat(len(CHANGE)))
+_PRIOR = -(_NOISE / 0.15) - (_CHANGE / 0.01)
+"""Little noise and little change are expected at first; the scales were chosen with ``experiments/exp3_choice.py``."""
 
 MEMORY: Final = 60.0
 """Validations over which the estimate forgets."""
@@ -36,7 +37,7 @@ class Repeatability:
 
     def __init__(self) -> None:
         self._logs: Floats = np.zeros(len(_NOISE))
-        self._waiting: list[tuple[float, int]] = []
+        self._waiting: list[tuple[float, int, int]] = []
 
     @property
     def logs(self) -> Floats:
@@ -50,12 +51,12 @@ class Repeatability:
         self._logs = self._logs * _KEEP + np.log(np.maximum(chances, _LEAST))
         self._logs -= self._logs.max()
 
-    def foretold(self, share: float, values: int) -> None:
-        """One validation of something that had been foretold with probability ``share`` among so many possible ones.
+    def foretold(self, share: float, values: int, age: int) -> None:
+        """One validation of a value among so many that had been foretold with probability ``share``, ``age`` experiences ago.
 
         Nearly all validations are of this kind: they are counted in by so many at once, at places that don't depend on who asks.
         """
-        self._waiting.append((share, values))
+        self._waiting.append((share, values, max(0, age)))
         if len(self._waiting) == TOGETHER:
             self._logs, self._waiting = self._with_waiting(), []
 
@@ -63,9 +64,10 @@ class Repeatability:
         """The log weights with what is not counted in yet."""
         if not self._waiting:
             return self._logs
-        share, values = np.array(self._waiting).T
-        share = share[:, None]
-        chances = share * (1.0 - _NOISE) + (1.0 - share) * _NOISE / np.maximum(1.0, values - 1.0)[:, None]
+        share, values, age = (column[:, None] for column in np.array(self._waiting, dtype=np.float64).T)
+        even = 1.0 / values
+        now = even + (share - even) * np.power(1.0 - _CHANGE, age)
+        chances = now * (1.0 - _NOISE) + (1.0 - now) * _NOISE / np.maximum(1.0, values - 1.0)
         weights = _KEEP ** np.arange(len(values) - 1, -1, -1)
         logs = self._logs * _KEEP ** len(values) + weights @ np.log(np.maximum(chances, _LEAST))
         return np.asarray(logs - logs.max())

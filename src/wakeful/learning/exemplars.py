@@ -24,16 +24,25 @@ from wakeful.learning.belief import Belief, Repeatability
 from wakeful.learning.episodes import Encode
 
 LIKE_ENOUGH: Final = 0.6
-"""How alike two events must be that agree in every category: 1 less what the model's forecasts for them differ by."""
+"""How alike two events must be that agree in every category: 1 less the total variation of the model's shares of treatments."""
 CLOSE: Final = 1e-3
 """Numbers that differ by no more are the same, model or not."""
+NOISY: Final = 0.25
+"""Where more validations than this seem wrong, a model that is sure is not gainsaid."""
 AT_MOST: Final = 0.95
 """No forecast is held to be surer than this: a model that is wrong must not look like an outcome that was told wrongly."""
 
-_PER_PATTERN = 32
+_PER_PATTERN = 16
 _PENDING = 10_000
-_TOLD = 32
+_TOLD = 16
 _DIGITS = 6
+
+
+class _Foretold(msgspec.Struct, frozen=True):
+    """What a model forecast, over the labels, and the last experience that it had learned from; empty where none had a say."""
+
+    shares: tuple[float, ...] = ()
+    since: int = 0
 
 
 class _Told(msgspec.Struct, frozen=True):
@@ -41,7 +50,7 @@ class _Told(msgspec.Struct, frozen=True):
     process: int
     treatment: int
     label: int
-    first: tuple[float, ...]
+    foretold: _Foretold
 
 
 class _Exemplar(msgspec.Struct):
@@ -52,15 +61,25 @@ class _Exemplar(msgspec.Struct):
     label: Belief
     estimate: tuple[object, Vector] | None = None
     """A model version, and what its two heads say of it."""
-    held: tuple[int, int] = (-1, -1)
-    """The treatment and the outcome that are believed, -1 where nothing was told."""
+    newest: tuple[int, int] = (-1, -1)
+    """The treatment and the outcome that were told last, -1 where not."""
+
+
+_NOTHING: Final = _Foretold()
+
+
+def _was_known(experience: Experience, recalled: int, foretold: _Foretold) -> bool:
+    """Whether it only shows what the model knew: automatic by its word alone, and supported."""
+    by_model = bool(foretold.shares) and not recalled
+    return by_model and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED
 
 
 class Exemplars:
     """At most ``limit`` exemplars; past that the ones least recently validated are forgotten. State is the fold of records.
 
-    Two events are sufficiently similar where they agree in every category and are told apart by numbers in which the model sees
-    no great difference: what an event's numbers mean is learned, which category it is in is given.
+    Two events are sufficiently similar where they agree in every category and differ only in numbers for which the model would
+    not think about them in another way: what an event's numbers mean is learned, which category it is in is given. Its forecast
+    does not tell them apart, since that is what memory may have to correct.
 
     Args:
         encode: the selector's encoder; columns in which nothing but 0 and 1 was seen are categories.
@@ -78,7 +97,7 @@ class Exemplars:
         self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
         self._like: dict[bytes, list[int]] = {}
         self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._decided: OrderedDict[int, tuple[int, tuple[float, ...]]] = OrderedDict()
+        self._decided: OrderedDict[int, tuple[int, _Foretold]] = OrderedDict()
         self._taught: OrderedDict[int, int] = OrderedDict()
         self._now = 0
         self._reviewed: Predictor | None = None
@@ -126,7 +145,7 @@ class Exemplars:
         """Whether memory may hold otherwise than the model version in use of anything at all: mostly not, and said at once."""
         if predictor is not self._reviewed:
             self._review(predictor)
-        return bool(self._watched)
+        return bool(self._watched) and self.label_repeats.noise <= NOISY
 
     def covered(self, process: int, choice: Choice) -> None:
         """Take up an automatic decision by a model, as ``apply`` of its Decided does."""
@@ -136,17 +155,17 @@ class Exemplars:
         else:
             named = dict(zip(labels, choice.prior, strict=True))
             prior = tuple(named.get(name, 0.0) for name in self.labels)
-        self._decided[process] = (0, prior)
+        self._decided[process] = (0, _Foretold(prior, choice.basis.watermark))
         if len(self._decided) > _PENDING:
             self._decided.popitem(last=False)
 
     def gain(self, experience: Experience, event: Event) -> None:
         """Take up an experience, as ``apply`` of its Gained does."""
-        recalled, prior = self._decided.get(experience.process, (0, ()))
-        if not recalled and prior and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED:
-            self._known(experience, prior)
+        recalled, foretold = self._decided.get(experience.process, (0, _NOTHING))
+        if _was_known(experience, recalled, foretold):
+            self._known(experience, foretold)
         else:
-            self.learn(experience, self._encode(event), recalled, prior)
+            self._learn(experience, self._encode(event), recalled, foretold)
 
     def contested(self, features: Vector, predictor: Predictor | None) -> bool:
         """Whether memory holds otherwise than the model of some event of the same categories: then it is to be asked, however
@@ -156,7 +175,7 @@ class Exemplars:
         pattern = self._pattern(features)
         if not self.disputes(predictor) or pattern not in self._watched:
             return False
-        if any(self._differs(self._exemplars[each], predictor) for each in self._like.get(pattern, ())):
+        if self._disputed(pattern, predictor):
             return True
         self._watched.discard(pattern)
         return False
@@ -167,32 +186,34 @@ class Exemplars:
             decision = record.decision
             prior = tuple(decision.prior.get(name, 0.0) for name in self.labels)
             # Deliberation decides again, and doesn't say what memory had said.
-            earlier, _ = self._decided.get(record.process, (0, ()))
+            earlier, _ = self._decided.get(record.process, (0, _NOTHING))
             known = decision.model and not decision.recalled and decision.mode != "fallback"
-            self._decided[record.process] = (decision.recalled or earlier, prior if known else ())
+            self._decided[record.process] = (
+                decision.recalled or earlier,
+                _Foretold(prior, decision.watermark) if known else _NOTHING,
+            )
             if len(self._decided) > _PENDING:
                 self._decided.popitem(last=False)
         elif isinstance(record, Gained) and event is not None:
             self.gain(record.experience, event)
 
-    def learn(self, experience: Experience, features: Vector, recalled: int = 0, prior: tuple[float, ...] = ()) -> None:
-        """One validated experience.
+    def learn(self, experience: Experience, features: Vector, recalled: int = 0) -> None:
+        """One validated experience of an event that no model had a say in.
 
         Args:
             experience: the outcome of an undecided one teaches nothing.
             features: of its event, shape (d,).
             recalled: the exemplar that its decision had rested on, 0 for none.
-            prior: what the model had forecast, over ``labels``; empty where it had no say.
         """
+        self._learn(experience, features, recalled, _NOTHING)
+
+    def _learn(self, experience: Experience, features: Vector, recalled: int, foretold: _Foretold) -> None:
         treatment = self._treatment_at.get(experience.treatment_label, -1)
         label = -1 if experience.verdict is Verdict.UNDECIDED else self._label_at.get(experience.outcome, -1)
         self._now = max(self._now, experience.id)
         if treatment < 0 and label < 0:
             return
-        if not recalled and prior and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED:
-            self._known(experience, prior)
-            return
-        told = _Told(experience.id, experience.process, treatment, label, prior)
+        told = _Told(experience.id, experience.process, treatment, label, foretold)
         self._see(features)
         exemplar = self._exemplars.get(recalled) or self._same(features) or self._found(told, features)
         if self._taught.get(told.process) == exemplar.id:
@@ -210,12 +231,13 @@ class Exemplars:
         self._watched.add(self._pattern(features))
         del exemplar.told[:-_TOLD]
 
-    def _known(self, experience: Experience, prior: tuple[float, ...]) -> None:
+    def _known(self, experience: Experience, foretold: _Foretold) -> None:
         """The model knew it: nothing to remember, but that much about how reliable validations are."""
         self._now = max(self._now, experience.id)
         label = self._label_at.get(experience.outcome, -1)
         if label >= 0:
-            self.label_repeats.foretold(min(max(prior[label], 1.0 - AT_MOST), AT_MOST), len(self.labels))
+            share = min(max(foretold.shares[label], 1.0 - AT_MOST), AT_MOST)
+            self.label_repeats.foretold(share, len(self.labels), experience.id - foretold.since)
 
     def _review(self, predictor: Predictor | None) -> None:
         """Another model version is in use: what it says is compared at once where that is cheap, else as events come."""
@@ -225,17 +247,14 @@ class Exemplars:
             rows = predictor.estimate_rows(np.stack([each.features for each in self._exemplars.values()]))
             for each, heads in zip(self._exemplars.values(), np.hstack([rows.treatments, rows.labels]), strict=True):
                 each.estimate = (predictor, heads)
-            self._watched = {self._pattern(each.features) for each in self._exemplars.values() if self._differs(each, predictor)}
+            self._watched = {pattern for pattern in self._like if self._disputed(pattern, predictor)}
 
     def _teach(self, exemplar: _Exemplar, told: _Told, treatments: Repeatability, labels: Repeatability) -> None:
         if told.treatment >= 0:
             exemplar.treatment.learn(told.treatment, told.id, treatments)
         if told.label >= 0:
             exemplar.label.learn(told.label, told.id, labels)
-        exemplar.held = (
-            int(exemplar.treatment.shares(told.id, treatments).argmax()) if exemplar.treatment.told else -1,
-            int(exemplar.label.shares(told.id, labels).argmax()) if exemplar.label.told else -1,
-        )
+        exemplar.newest = (told.treatment, told.label)
 
     def _again(self, exemplar: _Exemplar, told: _Told) -> None:
         exemplar.told = [told if one.process == told.process else one for one in exemplar.told]
@@ -258,9 +277,13 @@ class Exemplars:
 
     def _begin(self, exemplar: _Exemplar, told: _Told) -> None:
         exemplar.treatment = Belief(np.full(len(self.treatments), 1.0 / len(self.treatments)), told.id)
-        even = 1.0 / len(self.labels)
-        first = np.clip(told.first, 1.0 - AT_MOST, AT_MOST) if told.first else np.full(len(self.labels), even)
-        exemplar.label = Belief(first, told.id)
+        even = np.full(len(self.labels), 1.0 / len(self.labels))
+        shares = told.foretold.shares
+        if shares:
+            first = np.clip(shares, 1.0 - AT_MOST, AT_MOST)
+            exemplar.label = Belief(first / first.sum(), told.foretold.since)
+        else:
+            exemplar.label = Belief(even, told.id)
 
     def _same(self, features: Vector) -> _Exemplar | None:
         alike = self._alike(features, None)
@@ -273,11 +296,12 @@ class Exemplars:
         for identity in reversed(self._like.get(self._pattern(features), ())[-_PER_PATTERN:]):
             exemplar = self._exemplars[identity]
             if float(np.abs(exemplar.features - features).max()) <= CLOSE:
-                found.append((1.0, exemplar))
-            elif predictor is not None:
+                # The very same event: what others like it were is beside the point.
+                return [(1.0, exemplar)]
+            if predictor is not None:
                 own = self._heads(predictor, features) if own is None else own
-                # Half the sum of both heads' differences: no less than the greater of their total variations.
-                likeness = round(1.0 - 0.5 * float(np.abs(own - self._foreseen(exemplar, predictor)).sum()), _DIGITS)
+                cut = len(predictor.treatments)
+                likeness = round(1.0 - 0.5 * float(np.abs(own - self._foreseen(exemplar, predictor))[:cut].sum()), _DIGITS)
                 if likeness >= LIKE_ENOUGH:
                     found.append((likeness, exemplar))
         return sorted(found, key=lambda pair: (-pair[0], -pair[1].id))
@@ -294,10 +318,15 @@ class Exemplars:
             exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
         return exemplar.estimate[1]
 
+    def _disputed(self, pattern: bytes, predictor: Predictor) -> bool:
+        """Whether the last word on some event of these categories was another than the model's, or than that on another one."""
+        alike = [self._exemplars[each] for each in self._like.get(pattern, ())]
+        return len({each.newest for each in alike}) > 1 or any(self._differs(each, predictor) for each in alike)
+
     def _differs(self, exemplar: _Exemplar, predictor: Predictor) -> bool:
-        """Whether the model says otherwise of the exemplar itself than what is believed of it."""
+        """Whether the model says otherwise of the exemplar itself than what was told last of it."""
         heads, cut = self._foreseen(exemplar, predictor), len(predictor.treatments)
-        treatment, label = exemplar.held
+        treatment, label = exemplar.newest
         return (treatment >= 0 and predictor.treatments[int(heads[:cut].argmax())] != self.treatments[treatment]) or (
             label >= 0 and predictor.labels[int(heads[cut:].argmax())] != self.labels[label]
         )
