@@ -218,7 +218,9 @@ class SimulatedDriver:
         due: list[Input] = []
         while self._answers and self._answers[0][0] <= now_ns:
             due.append(heapq.heappop(self._answers)[3])
-        due.extend(self._trainer.take(now_ns))
+        if self._trainer.next_publication_ns() is not None:
+            with self._heart:  # a training that is waited for is no stall
+                due.extend(self._trainer.take(now_ns))
         return due
 
     # --- operators ---
@@ -265,8 +267,13 @@ class SimulatedDriver:
 
     def _call(self, call: Call) -> None:
         reach("acting: call")
-        answer = self._loop.run_until_complete(make(marked(call, self._crash_mark), self._reasoner))
-        self._heart.beat()
+        making = make(marked(call, self._crash_mark), self._reasoner)
+        if call.function is not None:  # a user's function that never ends is a stall
+            answer = self._loop.run_until_complete(making)
+            self._heart.beat()
+        else:
+            with self._heart:  # a reasoner has a limit of its own
+                answer = self._loop.run_until_complete(making)
         reach("acting: call made")
         latency_ns = to_ns(self._reasoner.latency_s) if call.question is not None and not call.role else 0
         due_ns = min(call.asked_ns + latency_ns, call.expires_ns)
