@@ -47,31 +47,41 @@ def migrate(path: Path) -> Migrated | None:
     if not path.stat().st_size:
         return None
     old = apsw.Connection(str(path), flags=apsw.SQLITE_OPEN_READWRITE)
+    finished = False
     try:
         old.set_busy_timeout(5_000)
         version = version_of(old, path)
         if version in (0, VERSION):
             return None
-        try:
-            # No other connection may be there, and nothing may stay behind in a write-ahead file: a new one would take it up.
-            old.execute("PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=DELETE; BEGIN EXCLUSIVE; COMMIT")
-        except apsw.BusyError as error:
-            raise JournalError(
-                f"{path} must be brought to schema {VERSION}, but somebody is reading it: end that first"
-            ) from error
+        # No other connection may be there, and nothing may stay behind in a write-ahead file: a new one would take it up.
+        if not _alone(old):
+            raise JournalError(f"{path} must be brought to schema {VERSION}, but somebody reads it: end that first")
         backup = _backed_up(old, path, version)
         reach("migration: backed up")
         lines = _rewrite(old, partial, path)
         reach("migration: rewritten")
+        finished = True
     except apsw.Error as error:
-        _remove(partial)
         raise JournalError(f"{path} could not be brought to schema {VERSION}: {error}; it is as it was") from error
     finally:
         old.close()
+        if not finished:
+            _remove(partial)
     os.replace(partial, path)
     sync_directory(path.parent)
     reach("migration: done")
     return Migrated(version, lines, backup)
+
+
+def _alone(old: apsw.Connection) -> bool:
+    """Take the file for this connection alone, without a write-ahead file; False: another has it open."""
+    try:
+        ((mode,),) = old.execute("PRAGMA journal_mode=DELETE").fetchall()
+        old.execute("PRAGMA locking_mode=EXCLUSIVE").fetchall()
+        old.execute("BEGIN EXCLUSIVE; COMMIT")
+    except apsw.BusyError:
+        return False
+    return mode == "delete"
 
 
 def _backed_up(old: apsw.Connection, path: Path, version: int) -> Path:

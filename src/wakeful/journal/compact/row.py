@@ -16,7 +16,7 @@ from wakeful.journal.compact.body import PLAIN, SQUEEZED, BodyWriter
 from wakeful.journal.readable import event_of, process_of
 
 #: So many entries stand in one row at most: whoever wants one of them reads them all.
-ENTRIES_PER_ROW = 256
+ENTRIES_PER_ROW = 64
 
 _DIGEST_BYTES = 8
 _LEVEL = 6
@@ -133,12 +133,7 @@ def _row(entries: Sequence[Entry], writer: BodyWriter, form: int) -> Row:
             burst = entry.burst
             kinds.add(burst.__class__)
             numbers.update(_ABOUT[burst.__class__](burst))
-            if isinstance(burst, Covered):
-                counts.admitted += 1
-                counts.process = max(counts.process, burst.process)
-            elif isinstance(burst, Validated):
-                counts.gained += 1
-                counts.experience = max(counts.experience, burst.experience.id)
+            count_burst(burst, counts)
         else:
             kinds.add(entry.record.__class__)
             count(entry.record, counts, numbers)
@@ -154,6 +149,16 @@ def _row(entries: Sequence[Entry], writer: BodyWriter, form: int) -> Row:
         keys=array("I", numbers).tobytes(),
         form=form,
     )
+
+
+def count_burst(burst: AnyBurst, counts: Counts) -> None:
+    """Add one burst to the counts."""
+    if isinstance(burst, Covered):
+        counts.admitted += 1
+        counts.process = max(counts.process, burst.process)
+    elif isinstance(burst, Validated):
+        counts.gained += 1
+        counts.experience = max(counts.experience, burst.experience.id)
 
 
 def count(record: AnyRecord, counts: Counts, numbers: set[int]) -> None:

@@ -11,12 +11,12 @@ import numpy as np
 
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
-from wakeful.facts.packs import Entry, expanded
+from wakeful.facts.packs import Entry
 from wakeful.journal.compact.body import SQUEEZED, BodyWriter
 from wakeful.journal.compact.row import VERSIONS, Counts, Row, rows_of
 from wakeful.journal.compaction.ages import Ages
 from wakeful.journal.compaction.owed import Owed
-from wakeful.journal.compaction.sieve import Gap, Sieve, sift
+from wakeful.journal.compaction.sieve import Gap, Sieve, all_kept, sift
 from wakeful.journal.retention import Retention
 from wakeful.journal.schema import PRESENT
 
@@ -25,6 +25,10 @@ _ROWS_PER_STEP = 64
 _LINES_PER_STEP = 3_000
 _PAGES_PER_STEP = 128
 _KEYS_PER_STEP = 256
+
+
+#: The highest process among the last rows before an id: they are numbered in the order in which they are created.
+_HIGHEST = "SELECT coalesce(max(process), 0) FROM (SELECT process FROM about WHERE id < ? ORDER BY id DESC LIMIT 1000)"
 
 
 class _Old(msgspec.Struct, frozen=True):
@@ -172,20 +176,22 @@ class Compactor:
 
     def _sweep(self) -> Iterator[None]:
         """Take away what is not there in the present generation, and give its pages back to the disk."""
-        position = 0
-        query = f"SELECT id, last FROM about WHERE id > ? AND id <= ? AND NOT ({PRESENT}) ORDER BY id LIMIT ?"
+        ((generation,),) = self._query("SELECT generation FROM frontier")
         ((highest,),) = self._query("SELECT coalesce(max(id), 0) FROM about")
-        while rows := list(self._query(query, position, highest, _ROWS_PER_STEP)):
+        id_ = 0
+        query = "SELECT id, last, born, died FROM about WHERE id > ? AND id <= ? ORDER BY id LIMIT ?"
+        while rows := list(self._query(query, id_, highest, _KEYS_PER_STEP)):
             gone: list[int] = []
             lines = 0
-            for id_, last in rows:
-                gone.append(id_)
-                lines += last - id_ // VERSIONS + 1
+            for id_, last, born, died in rows:
+                if born > generation or (died is not None and died <= generation):
+                    gone.append(id_)
+                    lines += last - id_ // VERSIONS + 1
                 if lines > _LINES_PER_STEP:
                     break
-            position = gone[-1]
-            with self._db:
-                self._delete(gone)
+            if gone:
+                with self._db:
+                    self._delete(gone)
             yield
         while self._pragma("freelist_count"):
             self._db.execute(f"PRAGMA incremental_vacuum({_PAGES_PER_STEP})").fetchall()
@@ -213,7 +219,7 @@ class Compactor:
 
     def _astride(self, boundary: int, processes: set[int]) -> Iterator[None]:
         """Add the processes that were created before a position, and of which something is told after it."""
-        ((highest,),) = self._query("SELECT coalesce(max(process), 0) FROM about WHERE last <= ?", boundary)
+        ((highest,),) = self._query(_HIGHEST, (boundary + 1) * VERSIONS)
         # What is committed meanwhile is of other events: these are older than any that may still be told of.
         ((newest,),) = self._query("SELECT max(id) FROM about")
         position = boundary
@@ -257,7 +263,7 @@ class Compactor:
         gone: list[int] = []
         for old in olds:
             entries = self._read(old.id) if sieve.concerns(old.first, old.last, old.keys) else []
-            if entries and all(sieve.keeps(line) for line in expanded(entries)):
+            if entries and all_kept(entries, sieve):
                 # It stays where it is; what stood open before it is closed.
                 if standing and not gone and not kept:
                     standing = 0

@@ -29,8 +29,8 @@ from wakeful.facts.lines import (
     Trusted,
     Witnessed,
 )
-from wakeful.facts.packs import Entry, Pack
-from wakeful.journal.compact.row import Counts, count, first_position, kind_key
+from wakeful.facts.packs import Covered, Entry, Inquired, Pack, Ran, Validated, Woken, last_position
+from wakeful.journal.compact.row import Counts, count, count_burst, first_position, kind_key
 from wakeful.journal.readable import event_of, process_of
 
 #: What is told of events and their processes, and may be given up with them. Every other kind of record is kept.
@@ -90,15 +90,40 @@ class Sieve:
 
     def learn(self, entries: Iterable[Entry]) -> None:
         """Find the events of the processes that are kept, all processes of these events, and the outcomes that judged them."""
-        for line in _lines(entries):
-            record = line.record
-            if isinstance(record, Created | Concluded):
-                if record.process in self._processes:
-                    self._events.add(record.event)
-                elif record.event in self._events:
-                    self._processes.add(record.process)
-            elif isinstance(record, Judged) and record.process in self._processes and record.outcome:
-                self._outcomes.add(record.outcome)
+        for entry in entries:
+            said = entry.burst if isinstance(entry, Pack) else entry.record
+            if isinstance(said, Covered):
+                self._belongs(said.process, said.event.id)
+            elif isinstance(said, Created | Concluded | Ran):
+                self._belongs(said.process, said.event)
+            elif isinstance(said, Validated):
+                self._judges(said.judged)
+            elif isinstance(said, Judged):
+                self._judges(said)
+
+    def _belongs(self, process: int, event: str) -> None:
+        if process in self._processes:
+            self._events.add(event)
+        elif event in self._events:
+            self._processes.add(process)
+
+    def _judges(self, judged: Judged) -> None:
+        if judged.process in self._processes and judged.outcome:
+            self._outcomes.add(judged.outcome)
+
+    def keeps_pack(self, pack: Pack) -> bool | None:
+        """Whether a pack is kept as a whole, or given up as a whole; None: its lines must be looked at one by one."""
+        burst = pack.burst
+        if any(pack.position <= place <= pack.last for place in self._places):
+            return None
+        if isinstance(burst, Validated):
+            own = burst.judged.process in self._processes
+            return own if own or burst.outcome.id not in self._outcomes else None
+        if isinstance(burst, Inquired):
+            return burst.asked.process in self._processes
+        if isinstance(burst, Woken):
+            return burst.answered.process in self._processes
+        return burst.process in self._processes
 
     def keeps(self, line: Line) -> bool:
         """Whether a line is kept."""
@@ -148,27 +173,22 @@ class Gap:
 def sift(entries: Iterable[Entry], sieve: Sieve, gap: Gap) -> Iterator[Entry]:
     """The entries that are kept, and the lines that stand for what was given up between them; the last gap stays open."""
     for entry in entries:
-        lines = entry.lines() if isinstance(entry, Pack) else (entry,)
-        kept = [sieve.keeps(line) for line in lines]
-        if all(kept):
+        whole = sieve.keeps_pack(entry) if isinstance(entry, Pack) else sieve.keeps(entry)
+        if whole:
             if gap.first:
                 yield gap.close()
             yield entry
-            continue
-        for line, keeps in zip(lines, kept, strict=True):
-            if not keeps:
-                counts = Counts()
-                count(line.record, counts, set())
-                gap.add(first_position(line), line.position, line.at_ns, counts)
-                continue
-            if gap.first:
-                yield gap.close()
-            yield line
-
-
-def _lines(entries: Iterable[Entry]) -> Iterator[Line]:
-    for entry in entries:
-        if isinstance(entry, Pack):
-            yield from entry.lines()
+        elif isinstance(entry, Pack) and whole is None:
+            yield from sift(entry.lines(), sieve, gap)
         else:
-            yield entry
+            counts = Counts()
+            if isinstance(entry, Pack):
+                count_burst(entry.burst, counts)
+            else:
+                count(entry.record, counts, set())
+            gap.add(first_position(entry), last_position(entry), entry.at_ns, counts)
+
+
+def all_kept(entries: Iterable[Entry], sieve: Sieve) -> bool:
+    """Whether every entry is kept as it is."""
+    return all(sieve.keeps_pack(each) if isinstance(each, Pack) else sieve.keeps(each) for each in entries)
