@@ -19,7 +19,7 @@ _STYLE = (
     "td:nth-child(n+4),th:nth-child(n+4){text-align:right;font-variant-numeric:tabular-nums}img{max-width:100%}"
 )
 NOTE = (
-    "Mean ± sample standard deviation over the seeds. z is the distance from the published mean in published standard deviations, "
+    "Mean ± sample standard deviation over the seeds. z is the distance from the published mean in published deviations, "
     "s.e. in standard errors of the published ten-seed mean; a dash where the paper has no such cell."
 )
 
