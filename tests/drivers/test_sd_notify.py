@@ -8,9 +8,23 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from wakeful import Event, MindView, Registry, Result, treatment
+from wakeful.domains import load
+from wakeful.drivers.assembly import assemble
 from wakeful.drivers.sd_notify import Heart, Notifier
+from wakeful.drivers.simulated import SimulatedDriver
+from wakeful.facts.asking import Question, Reply
+from wakeful.facts.domain import Guideline
+from wakeful.facts.events import Draft
+from wakeful.facts.settings import MindSettings
+from wakeful.journal import MemoryJournal
+
+
+class Called(Result, frozen=True, kw_only=True, tag="called"):
+    """What the calling treatment concludes."""
 
 
 class Supervisor:
@@ -137,3 +151,61 @@ def test_nobody_listening_costs_no_thread() -> None:
     assert threading.active_count() == before
     assert list(heart.over([1, 2])) == [1, 2]
     heart.stop()
+
+
+def test_a_reasoner_that_is_waited_for_is_no_stall_and_a_call_that_never_ends_is_one(place: str, supervisor: Supervisor) -> None:
+    rests: list[tuple[str, bool]] = []
+
+    class Listening(Heart):
+        """Tells whether it rests."""
+
+        resting = False
+
+        def __enter__(self) -> None:
+            self.resting = True
+            super().__enter__()
+
+        def __exit__(self, *_: object) -> None:
+            self.resting = False
+            super().__exit__()
+
+    heart = Listening(Notifier(place, limit_s=30.0))
+
+    class Asked:
+        """A reasoner that notes whether its waiting counts."""
+
+        name = "asked"
+        latency_s = 0.0
+
+        async def answer(self, question: Question) -> Reply:
+            rests.append(("reasoner", heart.resting))
+            return Reply(choice=question.options[0], confidence=0.9, because=("asked",), reasoner=self.name)
+
+    @treatment(name="caller", result=Called, says="Calls.")
+    async def caller(event: Event, mind: MindView) -> Called:
+        await mind.call(lambda: rests.append(("call", heart.resting)), "sensor", 5.0)
+        return Called(says="called", confidence=1.0)
+
+    spec = load("jsonl").spec
+    rule = Guideline(treat="caller", because="it calls", when={"kind": "alarm"})
+    only = msgspec.structs.replace(spec, treatments=("caller",), guideline=(rule,))
+
+    class Domain:
+        """The plain domain with that treatment."""
+
+        spec = only
+
+        def detectors(self) -> dict[str, object]:
+            return {}
+
+        def simulate(self, seed: int) -> None:
+            return None
+
+    kernel, learner = assemble(Domain(), MindSettings(), registry=Registry(own=(caller,), installed=()))  # type: ignore[arg-type]
+    driver = SimulatedDriver(kernel, MemoryJournal(), Asked(), learner, heart=heart)
+    alarm = Draft(kind="alarm", entity="pump", source="s", position=0, at_ns=10**18)
+    for _ in driver.run("s", "d", lambda after: [alarm][after + 1 :]):
+        pass
+    driver.close()
+    assert rests == [("reasoner", True), ("call", False)]
+    assert supervisor.next()[0] == "READY=1"
