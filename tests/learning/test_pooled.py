@@ -115,3 +115,13 @@ def test_damaged_bytes_are_refused(weights: bytes) -> None:
         except ValueError:
             continue
         predictor.estimate(np.zeros(6))  # what is let through can at least be read
+
+
+def test_not_joined_it_is_the_network_alone_and_goes_on_from_either(weights: bytes) -> None:
+    alone = Pooled(PooledSettings(joined=False))
+    assert alone.name == "two_heads"
+    assert alone.train(job(epochs=3)) == TwoHeads().train(job(epochs=3))
+    card, again = alone.train(job(training=2, base=weights, base_version=1, epochs=3))
+    assert card.base == 1
+    assert not is_pooled(again)
+    assert isinstance(alone.load(weights), PooledPredictor)

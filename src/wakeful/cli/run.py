@@ -27,7 +27,7 @@ from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.drivers.spending import KINDS, spent
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Opened
-from wakeful.facts.settings import Gating, MindSettings
+from wakeful.facts.settings import Gating, MindSettings, Selecting
 from wakeful.journal.acts import ActSpool
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 from wakeful.journal.views import Summary, View, summary
@@ -105,6 +105,13 @@ class Speed(click.ParamType[float]):
     help="Share of the steps that is kept free for the robot's own task.",
 )
 @option(
+    "--learner",
+    type=click.Choice(["two_heads", "pooled"]),
+    default="two_heads",
+    show_default=True,
+    help="What is trained to select treatments: the network alone, or joined by decision lists and trees.",
+)
+@option(
     "--gate",
     type=click.Choice(["benefit", "threshold", "guarantee"]),
     default="benefit",
@@ -142,6 +149,7 @@ def run_command(
     reasoner: str,
     consult: bool | None,
     primary_share: float,
+    learner: Selecting,
     gate: Gating,
     alpha: float,
     delta: float,
@@ -172,6 +180,7 @@ def run_command(
             seed=seed,
             primary_share=primary_share,
             consult=consults,
+            learner=learner,
             gate=gate,
             alpha=alpha,
             delta=delta,

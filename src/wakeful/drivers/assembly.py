@@ -8,7 +8,7 @@ from wakeful.contracts.policy import Policy
 from wakeful.domains import load
 from wakeful.facts.settings import MindSettings
 from wakeful.kernel import Kernel
-from wakeful.learning.two_heads import TwoHeads
+from wakeful.learning.pooled import Pooled, PooledSettings
 from wakeful.scheduling.policies.deadline_aware import DeadlineAware, DeadlineAwareSettings
 from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.treatments.registry import Registry
@@ -34,7 +34,7 @@ def assemble(
         domain: by name, by path, or itself.
         settings: how the mind thinks; the documented defaults where None.
         registry: the treatments; those of wakeful and of installed packages where None.
-        learner: F_θ's trainer; the two-headed network where None.
+        learner: F_θ's trainer; the one that the settings name where None.
         policy: who holds a slot; the deadline-aware one where None.
 
     Raises:
@@ -42,8 +42,9 @@ def assemble(
         ValueError: the settings' ``primary_share`` is no share.
     """
     found = load(domain) if isinstance(domain, str) else domain
-    trains = learner if learner is not None else TwoHeads()
     thinks = settings if settings is not None else MindSettings()
+    # Either reads the other's models, so that a journal can go on with another learner.
+    trains = learner if learner is not None else Pooled(PooledSettings(joined=thinks.learner == "pooled"))
     shares = policy if policy is not None else _default_policy(thinks)
     if thinks.primary_share:
         shares = PrimaryShare(shares, thinks.primary_share, thinks.primary_quantum_s)

@@ -8,6 +8,7 @@ from wakeful.facts.overload import OverloadSettings
 from wakeful.facts.values import Fact
 
 Gating = Literal["benefit", "threshold", "guarantee"]
+Selecting = Literal["two_heads", "pooled"]
 """By what rule a treatment may be executed automatically."""
 
 
@@ -35,7 +36,8 @@ class MindSettings(Fact, frozen=True):
     the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
     with probability 1 − ``delta``. Under the last, outcomes count as evidence only for events that were drawn for an audit,
     automatic ones with probability ``audit_rate``. ``novelty_rate``: the share of familiar events that may be taken for
-    unfamiliar ones, so that those that are get a provisional treatment.
+    unfamiliar ones, so that those that are get a provisional treatment. ``learner``: what is trained to select, the network of
+    Eq. 8 alone, or joined by decision lists and trees, which learn sharper rules from few events and take seconds to train.
     """
 
     slots: int = 1
@@ -58,6 +60,7 @@ class MindSettings(Fact, frozen=True):
     consult: bool = False
     primary_share: float = 0.0
     primary_quantum_s: float = 0.1
+    learner: Selecting = "two_heads"
     gate: Gating = "benefit"
     alpha: float = 0.05
     delta: float = 0.05

@@ -1,4 +1,4 @@
-"""The default learner: the two-headed network of Eq. 8, its treatment head joined by decision lists and boosted trees."""
+"""The pooled learner: the two-headed network of Eq. 8, its treatment head joined by decision lists and boosted trees."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from wakeful.learning.pooled_weights import PooledModel, is_pooled, pooled_from_
 from wakeful.learning.rule_search import SearchSettings
 from wakeful.learning.score import score_of
 from wakeful.learning.two_heads import Lineage, TwoHeads, TwoHeadsSettings
-from wakeful.learning.weights import from_bytes
+from wakeful.learning.weights import from_bytes, to_bytes
 
 _NEGLIGIBLE = 0.02
 
 
 class PooledSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """``prior`` are the experts' weights (network, rules, forest) without any held-back row, ``ridge`` what it takes, in nats, to
-    move a weight by 1: both chosen once, by cross-validation (docs/selector_choice.md)."""
+    """``joined``: with False the network is trained alone, whatever it goes on from. ``prior`` are the weights of network, rules
+    and forest without any held-back row, ``ridge`` what it takes, in nats, to move a weight by 1 (docs/selector_choice.md)."""
 
+    joined: bool = True
     network: TwoHeadsSettings = TwoHeadsSettings()
     rules: SearchSettings = SearchSettings()
     forest: ForestSettings = ForestSettings()
@@ -47,6 +48,8 @@ class Pooled(TwoHeads):
     def __init__(self, settings: PooledSettings | None = None) -> None:
         self.pooling = settings or PooledSettings()
         super().__init__(self.pooling.network)
+        if not self.pooling.joined:
+            self.name = "two_heads"
 
     def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
         """Train a challenger and compare it with the champion that it came from, which may be a network alone.
@@ -55,22 +58,24 @@ class Pooled(TwoHeads):
             ValueError: the job's arrays don't fit together, hold NaN, or leave nothing to learn from; or the base is no model.
         """
         own = self.pooling
+        if not own.joined:
+            network = to_bytes(_loaded(job.base_weights).network) if job.base_weights else b""
+            return super().train(msgspec.structs.replace(job, base_weights=network))
         rows, held_back = material_of(job, own.network.result_half_life)
         learned, kept = rows.rows(~held_back), rows.rows(held_back)
         if not len(learned.x):
             raise ValueError(f"training {job.training} has nothing to learn from: all {len(rows.x)} rows are held back")
         champion = _loaded(job.base_weights) if job.base_weights else None
-        network, base, epochs = self.fitted(job, learned, kept, None if champion is None else champion.network)
+        model, base, epochs = self.fitted(job, learned, kept, None if champion is None else champion.network)
         tested, whole = fit_panels(rows, held_back, len(job.treatments), job.seed, own.rules, own.forest)
-        p, q = probabilities(network, kept)
+        p, q = probabilities(model, kept)
         logs = np.concatenate([logs_of(p)[None], PanelReader(tested).logs_many(kept.x)]) if len(kept.x) else np.zeros((3, 0, 1))
         weights = weigh(logs, kept.treatment, kept.weight, np.array(own.prior), own.ridge)
         weights = np.where(weights < _NEGLIGIBLE, 0.0, weights)
         if not weights.any():
             weights = np.array(own.prior)
         shares = (pooled(logs, weights), q) if len(kept.x) else (p, q)
-        model = PooledModel(network=network, tested=tested, whole=whole, weights=tuple(weights.tolist()))
-        blob = pooled_to_bytes(model)
+        blob = pooled_to_bytes(PooledModel(network=model, tested=tested, whole=whole, weights=tuple(weights.tolist())))
         lineage = Lineage(again=champion is not None and base is None, continued=base is not None, epochs=epochs)
         losses = own.network.treatment_loss, own.network.result_loss
         other = None if champion is None or base is None else score_of(*_champion(champion, base, kept), kept, *losses)
