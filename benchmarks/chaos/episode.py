@@ -207,9 +207,11 @@ class _Episode:
         return self.script.items[position + 1 :]
 
     def _act(self, driver: SimulatedDriver, position: int) -> None:
+        """Hand in the acts that belong after an item, as the driver takes them: fed and made durable; time does not go on."""
         acts = self.script.acts.get(position)
         if acts:
-            driver.put(list(acts), driver.kernel.now_ns)
+            driver._feed(list(acts), driver.kernel.now_ns)
+            driver._commit()
 
     # --- what must hold ---
 
