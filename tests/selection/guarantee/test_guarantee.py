@@ -350,6 +350,27 @@ def test_evidence_is_on_the_models_own_answer_whatever_was_made_of_it() -> None:
     assert life.standing.errors_now == 1
 
 
+def test_where_old_lines_were_given_up_a_certificate_stands_and_so_does_what_was_spent() -> None:
+    life = Life()
+    life.live(100)
+    compacted = Guarantee(life.gate.settings)
+    for record in [record for record in life.records if isinstance(record, Certified)]:
+        compacted.apply(record)
+    process = life.decide()
+    for record in life.records[-2:]:
+        compacted.apply(record)
+    assert compacted.rule("next", "memory", "none", 1, 0.995).automatic
+    assert compacted.changes() == []
+    assert compacted.standings["memory"].bound <= 0.05
+    life.conclude(process)
+    life.judge(process, "fall")
+    life.live(8, "fall")
+    for record in life.of(Revoked):
+        compacted.apply(record)
+    assert compacted.standings["memory"].number == life.standing.number == 2
+    assert not compacted.rule("next", "memory", "none", 1, 0.995).automatic
+
+
 def test_under_another_gate_there_is_no_guarantee_and_settings_that_promise_nothing_are_refused() -> None:
     assert guarantee_of(MindSettings()) is None
     gate = guarantee_of(MindSettings(gate="guarantee", alpha=0.1, audit_rate=0.3))

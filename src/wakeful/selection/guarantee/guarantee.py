@@ -124,10 +124,9 @@ class Guarantee:
                 if (waiting := self._waiting.get(process)) is not None:
                     self._settle(process, waiting, self._wrong(record, waiting))
             case Certified(treatment=treatment):
-                self._of(treatment).certificate = record
-                self._of(treatment).revoked = ""
-            case Revoked(treatment=treatment, model=model, why=why):
-                self._end(self._of(treatment), model, why)
+                self._of(treatment).certify(record)
+            case Revoked(treatment=treatment):
+                self._of(treatment).revoke(record)
             case _:
                 pass
 
@@ -142,7 +141,7 @@ class Guarantee:
             return
         standing = self._of(audit.treatment)
         if decision.model != standing.model:
-            self._end(standing, decision.model, "another model version decides" if standing.certificate is not None else "")
+            standing.succeed(decision.model)
         waiting = Waiting(
             process=process,
             event=event,
@@ -202,13 +201,6 @@ class Guarantee:
         if treatment not in self._standings:
             self._standings[treatment] = Standing(self.settings)
         return self._standings[treatment]
-
-    def _end(self, standing: Standing, model: int, why: str) -> None:
-        if standing.events or standing.certificate is not None or len(standing.waiting):
-            standing.number += 1
-        standing.certificate = None
-        standing.revoked = why
-        standing.begin(model)
 
     def _witnessed(self, outcome: Outcome) -> None:
         counts = outcome.origin in ("world", "person")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import numpy as np
 
-from wakeful.facts.lines import Certified
+from wakeful.facts.lines import Certified, Revoked
 from wakeful.selection.guarantee.bets import LEVELS
 from wakeful.selection.guarantee.bounds import clopper_pearson
 from wakeful.selection.guarantee.evidence import Evidence
@@ -72,6 +72,26 @@ class Standing:
         self.events, self.known = 0, 0
         self.doubted = 0
         self.waiting = InOrder()
+
+    def certify(self, record: Certified) -> None:
+        """A certificate begins, or widens. One whose evidence was given up with old lines of the journal stands all the same."""
+        if (self.model, self.number) != (record.model, record.number):
+            self.number = record.number
+            self.begin(record.model)
+        self.certificate, self.revoked = record, ""
+
+    def revoke(self, record: Revoked) -> None:
+        """A certificate ends."""
+        self.number = record.number + 1
+        self.certificate, self.revoked = None, record.why
+        self.begin(record.model)
+
+    def succeed(self, model: int) -> None:
+        """Another model version decides from here on; what was seen of the one before says nothing of it."""
+        self.revoked = "another model version decides" if self.certificate is not None else ""
+        self.number += bool(self.events or self.certificate is not None or len(self.waiting))
+        self.certificate = None
+        self.begin(model)
 
     @property
     def level(self) -> float:
