@@ -98,6 +98,7 @@ class Kernel:
         self._within_ns = to_ns(spec.outcome.within_s)
         self._left: int | None = None
         self._calm_ns = 0
+        self._stops = False
         self._concluding: Forecast | None = None
         self._position = 0
         self._sources = Sources(domain, settings.seed)
@@ -172,7 +173,9 @@ class Kernel:
         """A recorded result in its treatment's own type."""
         return self._scheduler.result(concluded)
 
-    def feed(self, inputs: Iterable[Input], now_ns: int, steps: int | None = None, hold: bool = False) -> Requests:
+    def feed(
+        self, inputs: Iterable[Input], now_ns: int, steps: int | None = None, hold: bool = False, stop: bool = False
+    ) -> Requests:
         """Take inputs at ``now_ns`` and say what is to be done.
 
         What falls due up to ``now_ns`` (steps, limits, windows) is done first, in order of (time, rank, sequence number).
@@ -183,6 +186,8 @@ class Kernel:
             steps: do at most so many of the steps and limits that are due, so that a live driver hears of what comes between
                 two awaits of a treatment; the others stay due. None: all of them.
             hold: run no treatment's code at this feed, so that what it admits can be durable before that; the next one lets go.
+            stop: don't go on to the next Instant once anything outside is to be done, so that in virtual time its answer comes
+                when it is due; ``Requests.left`` says how many of the inputs are left, that Instant the first of them.
 
         Returns:
             Requests: to be committed as a whole before anything else of it is acted on.
@@ -195,12 +200,21 @@ class Kernel:
         self._now_ns = max(self._now_ns, now_ns)
         inputs = list(inputs)
         self._foresee(inputs)
+        self._stops = stop
+        left = len(inputs)
         for each in inputs:
             if isinstance(each, Instant):
+                if stop and (self._calls or self._trainings):
+                    break
                 self._go_on_to(each.at_ns)
+                left -= self._now_ns >= each.at_ns
                 continue
+            left -= 1
             if isinstance(each, Draft):
                 self._encountered(each)
+            elif isinstance(each, Mark):
+                self._sources.states[each.source].cursor = each.position
+                continue
             elif isinstance(each, Outcome):
                 self._validate(each)
             else:
@@ -208,7 +222,8 @@ class Kernel:
             if self._calm_ns <= self._now_ns:
                 self._until(self._now_ns)
         self._foreseen.clear()
-        return self._requests()
+        self._stops = False
+        return self._requests(left)
 
     def _foresee(self, inputs: list[Input]) -> None:
         """See at once what the model says of all events that come; under which conditions they join others is seen one by one."""
@@ -261,7 +276,8 @@ class Kernel:
         if at_ns > self._now_ns:
             if self._calm_ns <= at_ns:
                 self._until(at_ns)
-            self._now_ns = at_ns
+            if not self._stops or not (self._calls or self._trainings):
+                self._now_ns = at_ns
 
     def _encountered(self, draft: Draft) -> None:
         """An event that was registered elsewhere."""
@@ -521,6 +537,7 @@ class Kernel:
             self.note("model not usable", f"{error}; decided by guidelines until the next version")
             return
         self._weights = weights
+        self._foreseen.clear()  # it was another version that saw them
         self._cells.use()
 
     # --- time ---
@@ -563,6 +580,8 @@ class Kernel:
                 self._now_ns = max(self._now_ns, due_ns)
                 self._scheduler.run_due()
             else:
+                break
+            if self._stops and (self._calls or self._trainings):
                 break
 
     def _closes_next_ns(self) -> int | None:
@@ -682,7 +701,7 @@ class Kernel:
         """When the window closes in which the world may show the outcome of an event that arrived then."""
         return arrived_ns + self._within_ns
 
-    def _requests(self) -> Requests:
+    def _requests(self, left: int = 0) -> Requests:
         instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
         wakes = [due for due in instants if due is not None]
         requests = Requests(
@@ -691,6 +710,7 @@ class Kernel:
             calls=tuple(self._calls),
             trainings=tuple(self._trainings),
             wake_ns=min(wakes, default=None),
+            left=left,
         )
         self._entries, self._blobs, self._calls, self._trainings = [], {}, [], []
         return requests

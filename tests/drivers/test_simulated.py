@@ -138,3 +138,15 @@ def test_what_cannot_be_decoded_is_refused_and_nothing_else_is_lost() -> None:
     assert found[Refused] == len([n for n in range(1500) if n % 7 == 3])
     roots = [line for line in journal.lines() if isinstance(line.record, Created) and not line.record.parent]
     assert found[Admitted] == len(roots) > 0
+
+
+@pytest.mark.parametrize("at_once", [2, 7, 64, 5000])
+def test_items_that_are_fed_together_give_the_same_journal(at_once: int) -> None:
+    exports = []
+    for together in (1, at_once):
+        journal = MemoryJournal()
+        one = driver(journal)
+        assert list(one.run("line", "digest", sightings, at_once=together)) == list(range(ITEMS))
+        one.close()
+        exports.append(list(exported(journal)))
+    assert exports[0] == exports[1]

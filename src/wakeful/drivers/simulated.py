@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import heapq
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from itertools import takewhile
 
 import msgspec
 
@@ -23,7 +25,7 @@ from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import Draft, Observation, Undecodable
 from wakeful.facts.evidence import Outcome
-from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Mark, Requests
+from wakeful.facts.inputs import Answer, Begin, Call, End, Input, Instant, Mark, Requests
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry
 from wakeful.facts.time import to_ns
@@ -83,6 +85,7 @@ class SimulatedDriver:
         self._blobs: dict[str, bytes] = {}
         self._state: dict[str, bytes | None] = {}
         self._wake_ns: int | None = None
+        self._group_ns = 0
         self._careful = CAREFUL_INPUTS if take_up(crash_mark, journal) is not None else 0
         if crash_mark is not None:
             kernel.mark_on(crash_mark.page)
@@ -94,7 +97,7 @@ class SimulatedDriver:
         self._take_acts()
         self._heart.ready(self._says)
 
-    def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]]) -> Iterator[int]:
+    def run(self, name: str, digest: str, items: Callable[[int], Iterable[Item]], at_once: int = 1) -> Iterator[int]:
         """Read a source to its end; yields the number of items done so far, after each.
 
         A source that was begun before and not finished goes on after its cursor; a finished one is read again, and its
@@ -104,6 +107,8 @@ class SimulatedDriver:
             name: of the source, as it is recorded.
             digest: of its content.
             items: gives the items after a position.
+            at_once: so many items are read before they are fed together, which costs much less and gives the same journal; for
+                sources whose next item never keeps anybody waiting.
 
         Yields:
             int: the position of the item that was just done.
@@ -114,9 +119,11 @@ class SimulatedDriver:
         offset_ns = known.offset_ns if resumes and known is not None else None
         if resumes:
             self._feed([Begin(source=name, digest=digest)], self.kernel.now_ns)
-        position = after
+        position = told = after
         source_ns: int | None = None
         pending = 0
+        group: list[Input] = []
+        together = at_once if self._pace is None else 1
         try:
             coming = Coming(items(after))
             for item in self._heart.over(coming):
@@ -129,17 +136,26 @@ class SimulatedDriver:
                     if source_ns is not None:
                         self._keep_pace(max(0, at_ns - source_ns) / 1e9)
                     source_ns = at_ns
-                    if set_back(at_ns, coming, self.kernel.now_ns - offset_ns):
+                    shown_ns = max(self.kernel.now_ns, self._group_ns) - offset_ns
+                    if set_back(at_ns, coming, shown_ns):
+                        self._feed_group(group)
                         offset_ns = self.kernel.now_ns - at_ns
                         self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
-                    self._advance(max(self.kernel.now_ns, at_ns + offset_ns))
-                self._feed([_named(item, name, position), Mark(source=name, position=position)], self.kernel.now_ns)
-                self._take_acts()
+                    self._group_ns = max(self.kernel.now_ns, self._group_ns, at_ns + offset_ns)
+                    group.append(Instant(self._group_ns))
+                group += (_named(item, name, position), Mark(source=name, position=position))
                 pending += 1
-                if pending >= GROUP_ITEMS or len(self._lines) >= GROUP_LINES:
-                    self._commit()
-                    pending = 0
-                yield position
+                if position - told >= together:
+                    self._feed_group(group)
+                    self._take_acts()
+                    if pending >= GROUP_ITEMS or len(self._lines) >= GROUP_LINES:
+                        self._commit()
+                        pending = 0
+                    yield from range(told + 1, position + 1)
+                    told = position
+            if group:
+                self._feed_group(group)
+                yield from range(told + 1, position + 1)
             if offset_ns is None:
                 self._feed([Begin(source=name, digest=digest, offset_ns=0)], self.kernel.now_ns)
             self._settle()
@@ -147,6 +163,25 @@ class SimulatedDriver:
             self._settle()
         finally:
             self._commit()
+
+    def _feed_group(self, group: list[Input]) -> None:
+        """Feed what was gathered, as if one by one: where something outside is to be done its answer comes when it is due."""
+        waiting, at = deque(group), self._group_ns
+        group.clear()
+        while waiting:
+            first = waiting[0]
+            if isinstance(first, Instant):
+                self._advance(first.at_ns)
+                waiting.popleft()
+                continue
+            # Alone while answers or publications are to come, else all at once.
+            one_by_one = self._answers or self._trainer.next_publication_ns() is not None
+            inputs = list(takewhile(_is_no_instant, waiting)) if one_by_one else list(waiting)
+            requests = self.kernel.feed(inputs, self.kernel.now_ns, stop=True)
+            for _ in range(len(inputs) - requests.left):
+                waiting.popleft()
+            self._take(requests)
+        self._group_ns = max(at, self.kernel.now_ns)
 
     def begin(self, name: str, digest: str) -> int:
         """Begin, or go on with, a source whose items are put one by one; returns the position of its last item, -1 for none."""
@@ -287,6 +322,10 @@ class SimulatedDriver:
             reach("publication: committed")
         self._lines, self._blobs, self._state = [], {}, {}
         self._tidying.turn()
+
+
+def _is_no_instant(item: Input) -> bool:
+    return not isinstance(item, Instant)
 
 
 def _named(item: Item, source: str, position: int) -> Input:

@@ -59,7 +59,7 @@ class Mark(Fact, frozen=True):
 
 
 class Instant(msgspec.Struct, frozen=True, gc=False):
-    """Kernel time goes on to ``at_ns``: what falls due by then is done first. So what came one after the other is fed together."""
+    """Kernel time goes on to ``at_ns``: what falls due by then is done first. So what came one by one is fed together."""
 
     at_ns: int
 
@@ -146,6 +146,8 @@ class Requests(msgspec.Struct, frozen=True, kw_only=True):
     trainings: tuple[Training, ...] = ()
     wake_ns: int | None = None
     """When the kernel wants to be fed again, inputs or not; None: only when something comes."""
+    left: int = 0
+    """So many of the inputs were not taken: something outside is to be done first, at the instant to which the kernel has come."""
 
     def then(self, later: Requests) -> Requests:
         """These and the next feed's as one, to be committed together."""
@@ -155,4 +157,5 @@ class Requests(msgspec.Struct, frozen=True, kw_only=True):
             calls=self.calls + later.calls,
             trainings=self.trainings + later.trainings,
             wake_ns=later.wake_ns,
+            left=later.left,
         )
