@@ -104,7 +104,7 @@ def _says(state: State, standing: Standing) -> str:
     needs = f"needs {standing.needed:,} more events without an error"
     if state == "revoked":
         return f"revoked: {standing.revoked}; {needs}"
-    return f"not yet: {needs}" if standing.model else "not yet: no model has learned enough"
+    return f"not yet: model version {standing.model} {needs}" if standing.model else "not yet: no model has learned enough"
 
 
 def _share(part: int, whole: int) -> float:

@@ -88,9 +88,8 @@ class Standing:
 
     def succeed(self, model: int) -> None:
         """Another model version decides from here on; what was seen of the one before says nothing of it."""
-        self.revoked = "another model version decides" if self.certificate is not None else ""
         self.number += bool(self.events or self.certificate is not None or len(self.waiting))
-        self.certificate = None
+        self.certificate, self.revoked = None, ""
         self.begin(model)
 
     @property
