@@ -13,10 +13,15 @@ class JournalError(Exception):
     """The journal cannot be opened or written. The message says what is wrong, where, and what to do."""
 
 
+class JournalStalled(JournalError):
+    """It cannot be written for now (a full disk, one that fails). Nothing of the commit was kept; it may be tried again."""
+
+
 class Journal(Protocol):
     """What the driver commits to, in one transaction: lines, keyed state, blobs.
 
-    After ``commit`` returns the lines are durable. After it raised, none of them is there.
+    After ``commit`` returns the lines are durable. After it raised, none of them is there; after JournalStalled the same commit
+    may be tried again.
     """
 
     def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:

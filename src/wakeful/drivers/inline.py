@@ -19,6 +19,7 @@ from wakeful.drivers.live import LiveDriver, Receipt
 from wakeful.drivers.poison import CrashMark
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.simulated import SimulatedDriver
+from wakeful.drivers.stalled import StallMark
 from wakeful.facts.events import Context, Criticality, Draft
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Mark
@@ -197,4 +198,15 @@ def open_live(
     acts = None if journal is None else ActSpool(Path(journal))
     mark = None if journal is None else CrashMark(Path(journal))
     heart = Heart.from_environment()
-    return LiveDriver(kernel, kept, thinks, learner, acts=acts, closes_journal=True, crash_mark=mark, heart=heart)
+    stall_mark = None if journal is None else StallMark(Path(journal))
+    return LiveDriver(
+        kernel,
+        kept,
+        thinks,
+        learner,
+        acts=acts,
+        closes_journal=True,
+        crash_mark=mark,
+        heart=heart,
+        stall_mark=stall_mark,
+    )

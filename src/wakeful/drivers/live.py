@@ -11,7 +11,7 @@ from uuid import uuid4
 
 import msgspec
 
-from wakeful.contracts.journal import Journal, JournalError
+from wakeful.contracts.journal import Journal, JournalError, JournalStalled
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.blobs import JournalBlobs
@@ -19,13 +19,14 @@ from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
 from wakeful.drivers.room import Room
 from wakeful.drivers.sd_notify import Heart
+from wakeful.drivers.stalled import HELD_ENTRIES, RETRY_S, Stall, StallMark
 from wakeful.drivers.tidying import Tidying
 from wakeful.drivers.trainer import Trainer
 from wakeful.facts.crash_points import reach
 from wakeful.facts.events import CRITICAL, Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
-from wakeful.facts.lines import Admitted, Answered, Concluded, Duplicate, Moved, Refused
+from wakeful.facts.lines import GAP, Admitted, Answered, Concluded, Duplicate, Moved, Noted, Refused
 from wakeful.facts.packs import Entry, expanded
 from wakeful.facts.processes import State
 from wakeful.journal.acts import ActSpool, Handed
@@ -72,6 +73,8 @@ class LiveDriver:
         closes_journal: the journal is let go of on exit, so that another may write it.
         group_s: inputs that come within so many seconds of one another are committed together.
         monotonic_ns: the clock that kernel time follows; a load generator may bring its own.
+        stall_mark: tells the next run of a crash while nothing could be written; None: nobody will know.
+        retry_s: how often writing is tried again while nothing can be written.
     """
 
     def __init__(
@@ -88,6 +91,8 @@ class LiveDriver:
         heart: Heart | None = None,
         group_s: float = GROUP_S,
         monotonic_ns: Callable[[], int] = time.monotonic_ns,
+        stall_mark: StallMark | None = None,
+        retry_s: float = RETRY_S,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
@@ -95,6 +100,9 @@ class LiveDriver:
         self._trainer = Trainer(learner)
         self._tidying = Tidying(journal)
         self._tidied: asyncio.Future[bool] | None = None
+        self._stall_mark = stall_mark
+        self._stall = Stall(source, self._now_ns, stall_mark)
+        self._retry_s = retry_s
         self._source = source
         self._clock_ns = clock_ns
         self._acts = acts
@@ -124,7 +132,7 @@ class LiveDriver:
             self.kernel.mark_on(self._crash_mark.page)
         recovered = self.kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
         self._start_ns = max(self._clock_ns(), self.kernel.now_ns) - self._monotonic_ns()
-        await self._commit(recovered)
+        recovered = await self._commit(recovered)
         reach("recovery: committed")
         await self._act(recovered)
         known = self.kernel.source(self._source)
@@ -133,6 +141,7 @@ class LiveDriver:
         else:
             digest = uuid4().hex
         self._inbox.append((Begin(source=self._source, digest=digest), None))
+        self._tell_of_stall()
         self._pump_task = asyncio.create_task(self._pump())
         self._woken.set()
         self._heart.ready(self._says)
@@ -151,6 +160,7 @@ class LiveDriver:
         self._commits.shutdown()
         if self._crash_mark is not None:
             self._crash_mark.close()
+        self._stall.close()
         self._heart.stop(str(self._error or ""))
         if self._closes_journal:
             self.journal.close()
@@ -173,6 +183,8 @@ class LiveDriver:
         """
         await self._room.enter(draft.criticality >= CRITICAL, patience_s)
         self._position += 1
+        if self._stall.active:
+            return Receipt("refused", reason=self._stall.refuse(self._position, draft.kind))
         placed = msgspec.structs.replace(draft, source=self._source, position=self._position)
         return await self._put(placed, Mark(source=self._source, position=self._position))
 
@@ -203,6 +215,15 @@ class LiveDriver:
         self._inbox.extend((each, None) for each in more)
         self._woken.set()
         return await future
+
+    def _tell_of_stall(self) -> None:
+        """The run before ended while nothing could be written: what it refused by then was never recorded."""
+        broken = self._stall_mark.before if self._stall_mark is not None else None
+        if broken is not None:
+            detail = (
+                f"the journal could not be written from {broken.since_ns} ns to the end of that run; {broken.refused} refused"
+            )
+            self.kernel.write(Noted(what=GAP, detail=detail, source=self._source))
 
     # --- the pump: feed, commit, act ---
 
@@ -245,7 +266,7 @@ class LiveDriver:
             requests = await self._think(inputs)
             if handed:
                 reach("acts: fed")
-            await self._commit(requests)
+            requests = await self._commit(requests)
             if self._acts is not None:
                 if handed:
                     reach("acts: committed")
@@ -304,14 +325,47 @@ class LiveDriver:
         self._acts_due_s = now_s + ACTS_POLL_S
         return self._acts.waiting()
 
-    async def _commit(self, requests: Requests) -> None:
+    async def _commit(self, requests: Requests) -> Requests:
+        """Make them durable, however long that takes; returns them, with what was worked meanwhile."""
+        while True:
+            try:
+                await self._write(requests)
+            except JournalStalled as error:
+                if self._closing:
+                    raise
+                self._stall.begin(str(error))
+                requests = await self._work_on(requests)
+            else:
+                self._inbox[:0] = [(each, None) for each in self._stall.over()]
+                return requests
+
+    async def _work_on(self, requests: Requests) -> Requests:
+        """Until writing is tried again: work, and nothing else. No input is heard, and kernel time stands still, so that no wait
+        runs out unheard."""
+        self._heart.beat()
+        until_s = time.monotonic() + self._retry_s
+        wake_ns: int | None = self.kernel.now_ns
+        while time.monotonic() < until_s and len(requests.lines) < HELD_ENTRIES:
+            if not self.kernel.runnable or wake_ns is None or wake_ns > self.kernel.now_ns:
+                break
+            requests = requests.then(self.kernel.feed((), self.kernel.now_ns, STEPS_PER_TURN))
+            wake_ns = requests.wake_ns
+            await asyncio.sleep(0)
+        await asyncio.sleep(max(0.0, until_s - time.monotonic()))
+        return requests
+
+    async def _write(self, requests: Requests) -> None:
         self._state.update(self.kernel.changed())
         # Evidence that nobody waits for yet gives no line, and whoever told it was promised that it is durable.
         if requests.lines or requests.blobs or any(key.startswith(KEPT) for key in self._state):
             reach("feed: decided")
             loop = asyncio.get_running_loop()
             state, self._state = self._state, {}
-            await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, state, requests.blobs)
+            try:
+                await loop.run_in_executor(self._commits, self.journal.commit, requests.lines, state, requests.blobs)
+            except JournalStalled:
+                self._state = {**state, **self._state}
+                raise
             if requests.blobs:
                 reach("publication: committed")
             if self._tidied is None or self._tidied.done():

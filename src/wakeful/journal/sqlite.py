@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import apsw
 
-from wakeful.contracts.journal import JournalError
+from wakeful.contracts.journal import JournalError, JournalStalled
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, last_position
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 _ROWS_PER_INSERT = 100
+
+#: What may pass: the disk is full, cannot be written, or fails; somebody else writes (who has no business to).
+_STALLS = (apsw.FullError, apsw.ReadOnlyError, apsw.IOError, apsw.CantOpenError, apsw.BusyError)
 
 
 class SqliteJournal:
@@ -90,7 +93,8 @@ class SqliteJournal:
         """Append, in one transaction. After an error nothing of it is there and the journal can be used again.
 
         Raises:
-            JournalError: the positions don't continue the journal's, or SQLite could not write (disk full, read-only).
+            JournalStalled: the disk is full, read-only, or fails.
+            JournalError: the positions don't continue the journal's, or what is to be written is no text.
         """
         last = self._last
         for entry in lines:
@@ -111,6 +115,8 @@ class SqliteJournal:
                     self._db.execute("INSERT OR IGNORE INTO blobs VALUES (?, ?)", (name, value))
                 reach("commit: state written")
             self._words.settled()
+        except _STALLS as error:
+            raise JournalStalled(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
         except (apsw.Error, UnicodeEncodeError) as error:
             raise JournalError(f"{self.path} could not be written: {error}; nothing of this commit was kept") from error
         finally:
