@@ -21,9 +21,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from benchmarks.deployments import SEEN_RIGHT, SEEN_WRONG, UNTOLD, WRONG_AFTER, Lived, World, guarded, thresholded
-from wakeful.selection.guarantee import GuaranteeSettings
+from wakeful.selection.guarantee import Guarantee, GuaranteeSettings
 from wakeful.selection.guarantee.bets import Tally
 from wakeful.selection.guarantee.bounds import clopper_pearson, error_free_needed
+from wakeful.selection.guarantee.evidence import Evidence
 from wakeful.selection.guarantee.watch import excess_bound
 
 RATES = (0.05, 0.2, 0.5, 1.0)
@@ -38,6 +39,7 @@ def main() -> None:
     given = parse.parse_args()
     own = GuaranteeSettings()
     print_sample_sizes(own)
+    print_cost(own)
     lives = []
     for rate in RATES:
         settings = GuaranteeSettings(audit_rate=rate)
@@ -90,6 +92,25 @@ def print_sample_sizes(own: GuaranteeSettings) -> None:
             tally.quiet[1.0] += cases - errors
             every = float(tally.bound(own.delta)[0])
             print(f"| {cases:,} | {errors} | {clopper_pearson(errors, cases, own.delta):.3f} | {every:.3f} |")
+
+
+def print_cost(own: GuaranteeSettings) -> None:
+    """What the gate costs a decision, and an outcome."""
+    gate, evidence, yes = Guarantee(own), Evidence(own), np.asarray(True)
+    turns = 5000
+    began_s = time.process_time()
+    for turn in range(turns):
+        gate.rule(str(turn), "treatment", "label", 1, 0.97)
+    rule_s = time.process_time() - began_s
+    began_s = time.process_time()
+    for _ in range(turns):
+        evidence.take(np.asarray(0), yes, ~yes, yes, own.audit_rate, yes)
+        evidence.weigh()
+        evidence.alarms()
+    take_s = time.process_time() - began_s
+    print(
+        f"\nA decision costs {1e6 * rule_s / turns:.1f} µs (its draw), an outcome {1e6 * take_s / turns:.0f} µs, however many came before."
+    )
 
 
 def _first(own: GuaranteeSettings) -> int:
