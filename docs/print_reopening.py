@@ -123,7 +123,7 @@ def story(source: Path, folder: Path, rows: int = ROWS) -> list[tuple[str, str]]
         taken = take_up(journal, carried(taught), usual.spec.name)
     read(path, alone, source, rows // 2, rows)
     event, judgement, count = judged_by_many(path)
-    began = f"{taken.imported} experiences of the first half imported; of the second half {judgement} automatically on {count} events."
+    began = f"{taken.imported} experiences of the first half imported; of the second {judgement} automatically on {count} events."
     told = [("words", began)]
     contradict(path, alone, event)
     told.append(("words", f"Of the first of these a person says that it was otherwise (event {event[:10]})."))
