@@ -31,7 +31,8 @@ EVENTS = 20
 POISONOUS = 7
 ALARM = Guideline(treat="attend", because="an alarm is attended to", when={"kind": "alarm"})
 
-DRIVER, WAY, JOURNAL = sys.argv[1], sys.argv[2], Path(sys.argv[3])
+# As a program; imported, as by the collection of tests, it does nothing.
+DRIVER, WAY, JOURNAL = (*sys.argv[1:3], Path(sys.argv[3])) if __name__ == "__main__" else ("", "", Path())
 
 
 class Attended(Result, frozen=True, kw_only=True, tag="attended"):
@@ -124,9 +125,10 @@ async def live() -> None:
 
 registry = Registry(own=(attend,), installed=())
 domain: Domain = OneTreatment(load("jsonl"))  # type: ignore[assignment]
-if DRIVER == "run":
-    run()
-elif DRIVER == "mind":
-    by_calls()
-else:
-    asyncio.run(live())
+if __name__ == "__main__":
+    if DRIVER == "run":
+        run()
+    elif DRIVER == "mind":
+        by_calls()
+    else:
+        asyncio.run(live())

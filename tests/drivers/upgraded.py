@@ -21,7 +21,9 @@ from wakeful.facts.inputs import Mark
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import open_journal
 
-VERSION, JOURNAL, CALLED = int(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3])
+# As a program; imported, as by the collection of tests, it does nothing.
+AS_PROGRAM = __name__ == "__main__"
+VERSION, JOURNAL, CALLED = (int(sys.argv[1]), Path(sys.argv[2]), Path(sys.argv[3])) if AS_PROGRAM else (2, Path(), Path())
 NAMES = ("steady", "reworded", "reordered", "caller", "effector", "asker", "leaver", "parent", "unresult")
 
 
@@ -142,20 +144,27 @@ class Versioned:
 BOTH = (steady, reworded, reordered, caller, effector, asker, child, unresult, parent)
 OWN = (*BOTH, leaver) if VERSION == 1 else BOTH
 
-domain = Versioned()
-if VERSION == 2:
-    known = tuple(rule for rule in domain.spec.guideline if rule.treat != "leaver")
-    domain.spec = msgspec.structs.replace(domain.spec, guideline=known)
-kernel, learner = assemble(domain, MindSettings(), registry=Registry(own=OWN, installed=()))  # type: ignore[arg-type]
-with open_journal(JOURNAL) as journal:
-    driver = SimulatedDriver(kernel, journal, GuidelineReasoner(domain.spec), learner)
-    position = driver.begin("program", "digest")
-    if VERSION == 1:
-        for index, name in enumerate(NAMES):
-            draft = Draft(kind="alarm", entity=name, source="program", position=index, at_ns=10**18 + index)
-            driver.put([draft, Mark(source="program", position=index)], draft.at_ns)
-        os.kill(os.getpid(), signal.SIGKILL)
-    for seconds in (2, 10, 20):
-        at_ns = 10**18 + seconds * 10**9
-        driver.put([Evidence(id=f"later {seconds}", topic="later", key="all", at_ns=at_ns)], at_ns)
-    driver.close()
+
+def main() -> None:
+    """Version 1 ends with its own death; version 2 goes on from there."""
+    domain = Versioned()
+    if VERSION == 2:
+        known = tuple(rule for rule in domain.spec.guideline if rule.treat != "leaver")
+        domain.spec = msgspec.structs.replace(domain.spec, guideline=known)
+    kernel, learner = assemble(domain, MindSettings(), registry=Registry(own=OWN, installed=()))  # type: ignore[arg-type]
+    with open_journal(JOURNAL) as journal:
+        driver = SimulatedDriver(kernel, journal, GuidelineReasoner(domain.spec), learner)
+        driver.begin("program", "digest")
+        if VERSION == 1:
+            for index, name in enumerate(NAMES):
+                draft = Draft(kind="alarm", entity=name, source="program", position=index, at_ns=10**18 + index)
+                driver.put([draft, Mark(source="program", position=index)], draft.at_ns)
+            os.kill(os.getpid(), signal.SIGKILL)
+        for seconds in (2, 10, 20):
+            at_ns = 10**18 + seconds * 10**9
+            driver.put([Evidence(id=f"later {seconds}", topic="later", key="all", at_ns=at_ns)], at_ns)
+        driver.close()
+
+
+if AS_PROGRAM:
+    main()
