@@ -14,6 +14,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.lines import Gained, Published, TrainingAsked
+from wakeful.facts.settings import MindSettings
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.two_heads import TwoHeads
 
@@ -66,6 +67,15 @@ def test_the_first_training_waits_for_enough_experiences_and_the_next_for_more()
     second = one.due(0)
     assert second is not None
     assert (second.training, second.base, second.epochs, second.watermark) == (2, 1, 35, 7)
+
+
+def test_a_mind_that_does_not_train_keeps_its_version_however_much_it_experiences() -> None:
+    trains, stays = (learning(LearningSettings.under(MindSettings(trains=each))) for each in (True, False))
+    for number in range(1, 41):
+        gain(trains, number)
+        gain(stays, number)
+    assert trains.due(0) is not None
+    assert stays.due(0) is None
 
 
 def test_a_rejected_challenger_is_not_what_the_next_training_comes_from() -> None:

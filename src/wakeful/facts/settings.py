@@ -38,6 +38,7 @@ class MindSettings(Fact, frozen=True):
     automatic ones with probability ``audit_rate``. ``novelty_rate``: the share of familiar events that may be taken for
     unfamiliar ones, so that those that are get a provisional treatment. ``learner``: what is trained to select, the network of
     Eq. 8 alone, or joined by decision lists and trees, which learn sharper rules from few events and take seconds to train.
+    ``trains``: without it the published model version stays, whatever is experienced.
     """
 
     slots: int = 1
@@ -61,6 +62,7 @@ class MindSettings(Fact, frozen=True):
     primary_share: float = 0.0
     primary_quantum_s: float = 0.1
     learner: Selecting = "two_heads"
+    trains: bool = True
     gate: Gating = "benefit"
     alpha: float = 0.05
     delta: float = 0.05

@@ -23,6 +23,10 @@ EncodeMany = Callable[[Sequence[Event]], Iterable[Vector]]
 _UNMADE: Vector = np.zeros(0)
 
 
+#: More experiences than any mind has.
+NEVER = 1 << 60
+
+
 class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """When and how a mind trains.
 
@@ -57,7 +61,8 @@ class LearningSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         earned anew by the next.
         """
         growth = 1.0 if settings.gate == "guarantee" else 0.1
-        return cls(seed=settings.seed, growth=growth, benefit=settings.gate == "benefit")
+        chosen = cls(seed=settings.seed, growth=growth, benefit=settings.gate == "benefit")
+        return chosen if settings.trains else msgspec.structs.replace(chosen, min_experiences=NEVER)
 
 
 class Learning:
