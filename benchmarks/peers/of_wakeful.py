@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -16,18 +16,15 @@ from benchmarks.peers.treating import LIMIT_S, TOPIC, WAITS, conclude, final, lo
 from wakeful import Event as WakefulEvent
 from wakeful import Evidence, MindView, Outcome, Registry, Result, treatment
 from wakeful.contracts.bridge import Item
-from wakeful.contracts.learner import Predictor
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.facts.asking import Kind
 from wakeful.facts.experience import ModelCard
-from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.lines import Admitted, Answered, Concluded, Judged, Line, Published
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import open_journal
 from wakeful.journal.sqlite import SqliteJournal
-from wakeful.learning.two_heads import TwoHeads
 
 SOURCE = "w"
 
@@ -37,28 +34,6 @@ class Treated(Result, frozen=True, kw_only=True, tag="treated"):
 
     state: int
     reading: float | None = None
-
-
-class Fixed(TwoHeads):
-    """The same two heads, which learn nothing in W: no other system does."""
-
-    def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
-        """Refuse at once."""
-        card = ModelCard(
-            version=job.training,
-            base=job.base_version,
-            watermark=job.watermark,
-            seed=job.seed,
-            epochs=0,
-            blob="",
-            accepted=False,
-            why="W does not train",
-        )
-        return card, b""
-
-    def load(self, weights: bytes) -> Predictor:
-        """The model of W."""
-        return super().load(weights)
 
 
 class Wakeful:
@@ -71,20 +46,25 @@ class Wakeful:
         if not self._path.exists():
             prepare(self._path, run.workload, full_sync)
         self._before = size_of(run.store, "mind.db")
-        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
+        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0, trains=False), registry=registry(run))
+        self._kernel = kernel
         self._journal = Stamping(self._path, full_sync=full_sync)
         self._driver = SimulatedDriver(kernel, self._journal, GuidelineReasoner(kernel.domain.spec), learner)
 
     def run(self) -> None:
-        """Read the messages as one source."""
+        """Read the messages as one source, many at once; each commit acknowledges what was admitted by then."""
         self._handed: list[str] = []
-        told = 0
-        for _ in self._driver.run(SOURCE, "w", self._items):
-            if self._journal.committed:
-                self._journal.committed = False
-                self._run.acknowledge(self._handed[told:])
-                told = len(self._handed)
-        self._run.acknowledge(self._handed[told:])
+        self._told = 0
+        before = self._kernel.counts.admitted
+
+        def committed() -> None:
+            durable = self._kernel.counts.admitted - before
+            self._run.acknowledge(self._handed[self._told : durable])
+            self._told = durable
+
+        self._journal.committed = committed
+        for _ in self._driver.run(SOURCE, "w", self._items, at_once=self._run.load.window):
+            pass
 
     def _items(self, after: int) -> Iterator[Item]:
         times, position = self._run.times, -1
@@ -120,12 +100,13 @@ class Wakeful:
 class Stamping(SqliteJournal):
     """The journal, which says that it has committed."""
 
-    committed = False
+    committed: Callable[[], None] | None = None
 
     def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
         """Append, in one transaction."""
         super().commit(lines, state, blobs)
-        self.committed = True
+        if self.committed is not None:
+            self.committed()
 
 
 def registry(run: Run) -> Registry:

@@ -8,7 +8,7 @@ from collections.abc import Coroutine
 from benchmarks.peers.drafting import draft
 from benchmarks.peers.learned import DOMAIN
 from benchmarks.peers.messages import AnyMessage, Event, Evidence, Tick, decode
-from benchmarks.peers.of_wakeful import SOURCE, Fixed, evidence, finals_of, outcome, prepare, registry
+from benchmarks.peers.of_wakeful import SOURCE, evidence, finals_of, outcome, prepare, registry
 from benchmarks.peers.running import Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_NS
 from wakeful import LiveDriver
@@ -30,7 +30,7 @@ class WakefulLive:
         if not self._path.exists():
             prepare(self._path, run.workload, full_sync)
         self._before = size_of(run.store, "mind.db")
-        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0), registry=registry(run), learner=Fixed())
+        kernel, learner = assemble(DOMAIN, MindSettings(step_s=0.0, trains=False), registry=registry(run))
         journal: Journal = open_journal(self._path, full_sync=full_sync)
         self._at_ns = first_ns = decode(run.messages[min(run.cursor, len(run.messages) - 1)]).at_ns
         self._mind = LiveDriver(

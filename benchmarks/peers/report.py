@@ -130,5 +130,5 @@ def _shown(value: object) -> str:
     if isinstance(value, list):
         return " .. ".join(_shown(float(each)) for each in value)
     if isinstance(value, float):
-        return f"{value:,.0f}" if value >= 100 else f"{value:.2f}"
+        return f"{value:,.0f}" if value >= 100 or value == int(value) else f"{value:.2f}"
     return f"{value:,}" if isinstance(value, int) else str(value)
