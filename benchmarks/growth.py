@@ -2,9 +2,10 @@
 
     python -m benchmarks.growth --events 10000000 --days 30
 
-writes synthetic events (eight fields, automatic, judged) straight into a journal, as the entries that a kernel gives, with the
-documented retention; compaction runs between the commits, as between a mind's. One event in 2,000 stays open, one in 2,000 ends in
-debt, and one in 50,000 comes with a new model. Prints the file's size over time, and in the end whether what is owed is there.
+writes synthetic events (eight fields, automatic, judged) straight into a journal, as the entries that a kernel gives, with
+the documented retention; compaction runs between the commits, as between a mind's. One event in 2,000 stays open, one in 2,000
+ends in debt, and one in 50,000 comes with a new model. Prints the file's size over time, and in the end whether what is owed is
+there.
 """
 
 from __future__ import annotations
@@ -76,9 +77,12 @@ class Size(msgspec.Struct):
 
 
 class Stream:
-    """Entries of synthetic events, as a kernel would have them committed."""
+    """Entries of synthetic events, as a kernel would have them committed; one in so many stays open, or brings a new model."""
 
-    def __init__(self, days: float, events: int, seed: int) -> None:
+    def __init__(
+        self, days: float, events: int, seed: int, open_one_in: int = OPEN_ONE_IN, model_one_in: int = MODEL_ONE_IN
+    ) -> None:
+        self._open_one_in, self._model_one_in = open_one_in, model_one_in
         self._draw = Random(seed)
         self._spacing_ns = int(days * 86_400e9 / events)
         self._position = 0
@@ -102,10 +106,10 @@ class Stream:
         self._number += 1
         number = self._number
         event = self._event(number)
-        if number % MODEL_ONE_IN == 1:
+        if number % self._model_one_in == 0:
             self._model += 1
             yield from self._published()
-        if number % OPEN_ONE_IN == 7:
+        if number % self._open_one_in == 7:
             self.open += 1
             yield self._keep(self._pack(self._covered(event)))
         elif number % DEBT_ONE_IN == 11:

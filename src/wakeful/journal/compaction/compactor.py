@@ -20,10 +20,11 @@ from wakeful.journal.compaction.sieve import Gap, Sieve, all_kept, sift
 from wakeful.journal.retention import Retention
 from wakeful.journal.schema import PRESENT
 
-#: What is done in one step, a few milliseconds' work: so many rows at most, with so many lines, or pages.
-_ROWS_PER_STEP = 64
-_LINES_PER_STEP = 3_000
-_PAGES_PER_STEP = 128
+#: What is done in one step, a few milliseconds' work: so many rows are passed over or taken away, read, or pages given back.
+_ROWS_PER_STEP = 128
+_READ_PER_STEP = 6
+_LINES_PER_STEP = 16_000
+_PAGES_PER_STEP = 512
 _KEYS_PER_STEP = 256
 
 
@@ -154,14 +155,14 @@ class Compactor:
         size = -1
         while size != sieve.size:
             size = sieve.size
-            for olds in self._rows(boundary):
+            for olds in self._rows(boundary, sieve):
                 for old in olds:
                     if sieve.concerns(old.first, old.last, old.keys):
                         sieve.learn(self._read(old.id))
                 yield
             sieve.seek()
         gap, standing = Gap(), 0
-        for olds in self._rows(boundary):
+        for olds in self._rows(boundary, sieve):
             standing = self._replace(olds, sieve, gap, standing)
             yield
         with self._db:
@@ -204,16 +205,16 @@ class Compactor:
 
     def _catch_up(self) -> Iterator[None]:
         """Follow what was committed before anybody listened."""
-        owed, id_, read = Owed(), 0, 0
-        while ids := list(
-            self._query(f"SELECT id FROM about WHERE id > ? AND {PRESENT} ORDER BY id LIMIT ?", id_, _ROWS_PER_STEP)
-        ):
-            for (id_,) in ids:
+        owed, id_ = Owed(), 0
+        query = f"SELECT id, last FROM about WHERE id > ? AND {PRESENT} ORDER BY id LIMIT ?"
+        while rows := list(self._query(query, id_, _ROWS_PER_STEP)):
+            lines = 0
+            for id_, last in rows:
                 for entry in self._read(id_):
                     owed.see(entry)
-                    read += 1
-                if read > _LINES_PER_STEP // 8:  # to read a line takes longer than to give it up
-                    read = 0
+                lines += last - id_ // VERSIONS + 1
+                if lines > _LINES_PER_STEP // 16:  # to read a line takes longer than to take it away
+                    lines = 0
                     yield
         self._owed = owed
 
@@ -231,8 +232,8 @@ class Compactor:
             position = rows[-1][0]
             yield
 
-    def _rows(self, boundary: int) -> Iterator[list[_Old]]:
-        """What the rows up to a position are about, a few at a time."""
+    def _rows(self, boundary: int, sieve: Sieve) -> Iterator[list[_Old]]:
+        """What the rows up to a position are about; so many at a time that only a few of them have to be read."""
         query = (
             "SELECT id, last, at_ns, admitted, duplicate, refused, gained, process, experience, keys FROM about "
             f"WHERE id > ? AND last <= ? AND {PRESENT} ORDER BY id LIMIT ?"
@@ -240,11 +241,11 @@ class Compactor:
         id_ = 0
         while rows := list(self._query(query, id_, boundary, _ROWS_PER_STEP)):
             olds: list[_Old] = []
-            lines = 0
+            read = 0
             for row in rows:
                 olds.append(_Old(row[0], row[1], row[2], Counts(*row[3:9]), row[9]))
-                lines += olds[-1].last - olds[-1].first + 1
-                if lines > _LINES_PER_STEP:
+                read += sieve.concerns(olds[-1].first, olds[-1].last, olds[-1].keys)
+                if read == _READ_PER_STEP:
                     break
             id_ = olds[-1].id
             yield olds
