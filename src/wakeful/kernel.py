@@ -97,6 +97,8 @@ class Kernel:
         self._now_ns = 0
         self._within_ns = to_ns(spec.outcome.within_s)
         self._left: int | None = None
+        self.steps_done = 0
+        """Steps and limits done since it was made: by which a live driver measures how long a step takes."""
         self._calm_ns = 0
         self._stops = False
         self._concluding: Forecast | None = None
@@ -148,6 +150,7 @@ class Kernel:
 
     def spent(self, steps: int) -> None:
         """So many steps were done within this feed."""
+        self.steps_done += steps
         if self._left is not None:
             self._left = max(0, self._left - steps)
 
@@ -577,6 +580,7 @@ class Kernel:
                 self._judge(self._validation.close(self._now_ns))
             elif due_ns is not None and due_ns <= now_ns and self._left != 0:
                 self._left = None if self._left is None else self._left - 1
+                self.steps_done += 1
                 self._now_ns = max(self._now_ns, due_ns)
                 self._scheduler.run_due()
             else:

@@ -227,3 +227,62 @@ def test_the_live_and_the_virtual_driver_decide_alike() -> None:
         return first
 
     assert choices(records(journal, Decided)) == choices(virtual)
+
+
+def test_events_that_are_offered_together_get_their_receipts_in_their_order() -> None:
+    journal = MemoryJournal()
+
+    async def main() -> list[str]:
+        async with live(journal) as mind:
+            drafts = [box(f"box {n}", category="" if n == 2 else "obstacle") for n in range(6)]
+            drafts[3] = msgspec.structs.replace(drafts[3], kind="")
+            receipts = await mind.admit_many(drafts)
+            later = await mind.admit_many([])
+            assert later == []
+            entities = {record.event.id: record.event.entity for record in records(journal, Admitted)}
+            assert [entities.get(receipt.event) for receipt in receipts] == ["box 0", "box 1", "box 2", None, "box 4", "box 5"]
+            return [receipt.status for receipt in receipts]
+
+    assert asyncio.run(main()) == ["admitted", "admitted", "admitted", "refused", "admitted", "admitted"]
+
+
+def test_what_is_handed_over_together_is_durable_together() -> None:
+    journal = MemoryJournal()
+
+    async def main() -> None:
+        async with live(journal) as mind:
+            (receipt,) = await mind.take_many([box("box 1")])
+            await mind.concluded(receipt.event) if not records(journal, Concluded) else None
+            seen = Outcome(
+                id="o", topic="outcome", entity="box 1", label="none", at_ns=1_700_000_001_000_000_000, event=receipt.event
+            )
+            assert await mind.take_many([seen]) == []
+            assert len(records(journal, Judged)) == 1
+
+    asyncio.run(main())
+
+
+def test_nobody_who_offered_many_waits_for_ever_when_the_journal_fails() -> None:
+    class Full(MemoryJournal):
+        def commit(self, lines: Sequence[Line], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+            if any(isinstance(line.record, Admitted) for line in lines if isinstance(line, Line)):
+                raise JournalError("the disk is full")
+            super().commit(lines, state, blobs)
+
+    async def main() -> None:
+        async with live(Full()) as mind:
+            with pytest.raises(JournalError, match="full"):
+                await mind.admit_many([box("box 1"), box("box 2")])
+            with pytest.raises(JournalError, match="full"):
+                await mind.admit_many([box("box 3")])
+
+    asyncio.run(main())
+
+
+def test_an_inline_mind_takes_many_at_once() -> None:
+    with Mind("service_robot") as mind:
+        receipts = mind.offer_many([box(f"box {n}") for n in range(8)])
+        assert [receipt.status for receipt in receipts] == ["admitted"] * 8
+        assert all(mind.conclusion(receipt.event) is not None for receipt in receipts)
+        assert mind.offer_many([]) == []
+        assert mind.offer(box("box 9")).status == "admitted"

@@ -20,10 +20,11 @@ from wakeful.contracts.journal import JournalError
 from wakeful.contracts.reasoner import Reasoner, ReasonerError
 from wakeful.deliberation import REASONERS, SettingsError, from_environment
 from wakeful.deliberation import make as make_reasoner
+from wakeful.drivers import garbage
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.poison import CrashMark
 from wakeful.drivers.sd_notify import Heart
-from wakeful.drivers.simulated import SimulatedDriver
+from wakeful.drivers.simulated import AT_ONCE, SimulatedDriver
 from wakeful.drivers.spending import KINDS, spent
 from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Opened
@@ -221,11 +222,14 @@ def _drive(
         raise JournalError(
             f"{journal.path} is damaged: it cannot be recovered from ({error}); restore it from a backup, or begin a new one"
         ) from error
+    garbage.settle()
     progress = Progress(source.total)
     received = kernel.counts.received
     items = 0
+    # A recording never keeps anybody waiting for its next item, as standard input may.
+    at_once = AT_ONCE if limit is None and source.total is not None else 1
     try:
-        for position in driver.run(source.name, source.digest, source.items):
+        for position in driver.run(source.name, source.digest, source.items, at_once):
             items += 1
             progress.show(position + 1, kernel.counts.admitted)
             if stop.asked or (limit is not None and kernel.counts.received - received >= limit):

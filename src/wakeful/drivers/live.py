@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 from uuid import uuid4
@@ -14,6 +14,7 @@ import msgspec
 from wakeful.contracts.journal import Journal, JournalError, JournalStalled
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.reasoner import Reasoner
+from wakeful.drivers import garbage
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.drivers.outside import make
 from wakeful.drivers.poison import CAREFUL_INPUTS, CrashMark, marked, take_up
@@ -26,8 +27,8 @@ from wakeful.facts.crash_points import reach
 from wakeful.facts.events import CRITICAL, Draft, Observation
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act, Answer, Begin, Call, Input, Mark, Requests
-from wakeful.facts.lines import GAP, Admitted, Answered, Concluded, Duplicate, Moved, Noted, Refused
-from wakeful.facts.packs import Entry, expanded
+from wakeful.facts.lines import GAP, Admitted, Answered, Concluded, Duplicate, Line, Moved, Noted, Refused
+from wakeful.facts.packs import Covered, Entry
 from wakeful.facts.processes import State
 from wakeful.journal.acts import ActSpool, Handed
 from wakeful.kernel import Kernel
@@ -45,8 +46,12 @@ _TRAINING_POLL_S = 0.05
 #: How often operators' acts are looked for in the folder beside the journal.
 ACTS_POLL_S = 0.2
 
-#: After so many steps the driver looks whether something came: a treatment is preempted at its next await.
-STEPS_PER_TURN = 1
+#: For about so long treatments think before the driver looks whether something came. It measures how long their steps take and
+#: gives as many as fit: one at a time where steps are slow, so that a treatment is preempted at its next await.
+TURN_S = 0.002
+
+#: At most so many steps, however short they were.
+MOST_STEPS = 4096
 
 
 class Receipt(msgspec.Struct, frozen=True):
@@ -55,6 +60,16 @@ class Receipt(msgspec.Struct, frozen=True):
     status: str
     event: str = ""
     reason: str = ""
+
+
+class _Batch:
+    """Events that were offered together: positions from ``first`` to ``until``, and who waits for their receipts."""
+
+    __slots__ = ("first", "future", "until")
+
+    def __init__(self, future: asyncio.Future[list[Receipt]], first: int) -> None:
+        self.future = future
+        self.first = self.until = first
 
 
 class LiveDriver:
@@ -71,6 +86,7 @@ class LiveDriver:
         crash_mark: says after a crash whose treatment was running; None: nobody will know.
         heart: beats for whoever supervises this process.
         closes_journal: the journal is let go of on exit, so that another may write it.
+        settles_garbage: sets Python's garbage collector for the whole process (``wakeful.drivers.garbage``).
         group_s: inputs that come within so many seconds of one another are committed together.
         monotonic_ns: the clock that kernel time follows; a load generator may bring its own.
         stall_mark: tells the next run of a crash while nothing could be written; None: nobody will know.
@@ -87,6 +103,7 @@ class LiveDriver:
         clock_ns: Callable[[], int] = time.time_ns,
         acts: ActSpool | None = None,
         closes_journal: bool = False,
+        settles_garbage: bool = False,
         crash_mark: CrashMark | None = None,
         heart: Heart | None = None,
         group_s: float = GROUP_S,
@@ -107,6 +124,7 @@ class LiveDriver:
         self._clock_ns = clock_ns
         self._acts = acts
         self._closes_journal = closes_journal
+        self._settles_garbage = settles_garbage
         self._group_s = group_s
         self._monotonic_ns = monotonic_ns
         self._crash_mark = crash_mark
@@ -116,12 +134,15 @@ class LiveDriver:
         self._acts_due_s = 0.0
         self._feeding: dict[object, asyncio.Future[Receipt]] = {}
         self._inbox: list[tuple[Input, asyncio.Future[Receipt] | None]] = []
+        self._batches: list[_Batch] = []
+        self._feeding_batches: list[_Batch] = []
         self._called: dict[tuple[int, int], asyncio.Task[None]] = {}
         self._settled: dict[str, list[asyncio.Future[Concluded]]] = {}
         self._commits = ThreadPoolExecutor(max_workers=1, thread_name_prefix="wakeful-journal")
         self._position = -1
         self._state: dict[str, bytes | None] = {}
         self._wake_ns: int | None = None
+        self._step_s = TURN_S
         self._error: JournalError | None = None
         self._closing = False
 
@@ -140,6 +161,8 @@ class LiveDriver:
             self._position, digest = known.cursor, known.digest
         else:
             digest = uuid4().hex
+        if self._settles_garbage:
+            garbage.settle()
         self._inbox.append((Begin(source=self._source, digest=digest), None))
         self._tell_of_stall()
         self._pump_task = asyncio.create_task(self._pump())
@@ -187,6 +210,37 @@ class LiveDriver:
             return Receipt("refused", reason=self._stall.refuse(self._position, draft.kind))
         placed = msgspec.structs.replace(draft, source=self._source, position=self._position)
         return await self._put(placed, Mark(source=self._source, position=self._position))
+
+    async def admit_many(self, drafts: Sequence[Draft], patience_s: float | None = None) -> list[Receipt]:
+        """Offer many events at once; returns once what became of each is durable. Costs a fraction of what they do one by one."""
+        if not drafts:
+            return []
+        await self._room.enter(any(draft.criticality >= CRITICAL for draft in drafts), patience_s)
+        return await self.take_many(drafts)
+
+    async def take_many(self, inputs: Sequence[Draft | Evidence | Outcome]) -> list[Receipt]:
+        """Hand over events, evidence and outcomes in the order of their coming, without waiting for room; returns once all of
+        it is durable, with a receipt for each event.
+
+        Raises:
+            JournalError: it could not be written; nothing of it was taken.
+        """
+        if self._error is not None:
+            raise self._error
+        if self._closing:
+            raise JournalError("the mind is closing; nothing more is taken")
+        batch = _Batch(asyncio.get_running_loop().create_future(), self._position + 1)
+        for each in inputs:
+            if isinstance(each, Draft):
+                self._position += 1
+                self._inbox.append((msgspec.structs.replace(each, source=self._source, position=self._position), None))
+            else:
+                self._inbox.append((each, None))
+        batch.until = self._position
+        self._inbox.append((Mark(source=self._source, position=self._position), None))
+        self._batches.append(batch)
+        self._woken.set()
+        return await batch.future
 
     async def observe(self, observation: Observation) -> None:
         """Hand over an observation; returns once what it led to is durable. Registration decides whether it is an event."""
@@ -247,6 +301,9 @@ class LiveDriver:
         for future in waiting:
             if not future.done():
                 future.set_exception(error)
+        for each in (*self._feeding_batches, *self._batches):
+            if not each.future.done():
+                each.future.set_exception(error)
         for waiter in (each for waiters in self._settled.values() for each in waiters):
             if not waiter.done():
                 waiter.set_exception(error)
@@ -256,6 +313,8 @@ class LiveDriver:
             await self._wait()
             self._heart.beat()
             batch, self._inbox = self._inbox, []
+            batches, self._batches = self._batches, []
+            self._feeding_batches = batches
             inputs = [each for each, _ in batch]
             inputs.extend(self._trainer.finished())
             handed = self._handed()
@@ -271,7 +330,7 @@ class LiveDriver:
                 if handed:
                     reach("acts: committed")
                 self._acts.done(handed)
-            self._answer(requests.lines, futures)
+            self._answer(requests.lines, futures, batches)
             await self._act(requests)
             self._room.let_in()
 
@@ -300,14 +359,26 @@ class LiveDriver:
         began_s = time.monotonic()
         if self._careful > 0 and inputs:  # the run before crashed: an event is durable before its treatment can end this run too
             self._careful -= len(inputs)
-            let_go = self.kernel.feed((), self._now_ns(), STEPS_PER_TURN)
+            let_go = self._fed(())
             return let_go.then(self.kernel.feed(inputs, self._now_ns(), hold=True))
-        requests = self.kernel.feed(inputs, self._now_ns(), STEPS_PER_TURN)
+        requests = self._fed(inputs)
         self._wake_ns = requests.wake_ns
         while self._due() and not self._inbox and time.monotonic() - began_s < self._group_s:
             await asyncio.sleep(0)
-            requests = requests.then(self.kernel.feed((), self._now_ns(), STEPS_PER_TURN))
+            requests = requests.then(self._fed(()))
             self._wake_ns = requests.wake_ns
+        return requests
+
+    def _fed(self, inputs: Sequence[Input]) -> Requests:
+        """Feed, giving treatments as many steps as fit into a turn, by how long steps took before."""
+        steps = max(1, min(MOST_STEPS, int(TURN_S / self._step_s)))
+        done, began_s = self.kernel.steps_done, time.monotonic()
+        requests = self.kernel.feed(inputs, self._now_ns(), steps)
+        done = self.kernel.steps_done - done
+        if done:
+            took_s = (time.monotonic() - began_s) / done
+            # A slow step counts at once, quick ones little by little.
+            self._step_s = took_s if took_s > self._step_s else 0.75 * self._step_s + 0.25 * took_s
         return requests
 
     def _says(self) -> str:
@@ -348,7 +419,7 @@ class LiveDriver:
         while time.monotonic() < until_s and len(requests.lines) < HELD_ENTRIES:
             if not self.kernel.runnable or wake_ns is None or wake_ns > self.kernel.now_ns:
                 break
-            requests = requests.then(self.kernel.feed((), self.kernel.now_ns, STEPS_PER_TURN))
+            requests = requests.then(self.kernel.feed((), self.kernel.now_ns, 1))
             wake_ns = requests.wake_ns
             await asyncio.sleep(0)
         await asyncio.sleep(max(0.0, until_s - time.monotonic()))
@@ -371,9 +442,11 @@ class LiveDriver:
             if self._tidied is None or self._tidied.done():
                 self._tidied = loop.run_in_executor(self._commits, self._tidying.turn)
 
-    def _answer(self, entries: tuple[Entry, ...], futures: Mapping[object, asyncio.Future[Receipt]]) -> None:
+    def _answer(
+        self, entries: tuple[Entry, ...], futures: Mapping[object, asyncio.Future[Receipt]], batches: Sequence[_Batch]
+    ) -> None:
         receipts: dict[object, Receipt] = {}
-        for line in expanded(entries):
+        for line in self._telling(entries, receipts):
             record = line.record
             if isinstance(record, Admitted):
                 receipts[record.event.position] = Receipt("admitted", record.event.id)
@@ -392,7 +465,21 @@ class LiveDriver:
                         waiter.set_result(record)
         for place, future in futures.items():
             if not future.done():
-                future.set_result(receipts.get(place, Receipt("taken")))
+                future.set_result(receipts.get(place, _TAKEN))
+        for each in batches:
+            if not each.future.done():
+                each.future.set_result([receipts.get(place, _TAKEN) for place in range(each.first, each.until + 1)])
+
+    def _telling(self, entries: tuple[Entry, ...], receipts: dict[object, Receipt]) -> Iterator[Line]:
+        """The lines that somebody may wait for; of packs the receipts alone, where nobody waits for what is concluded."""
+        for entry in entries:
+            if isinstance(entry, Line):
+                yield entry
+            elif isinstance(entry.burst, Covered):
+                event = entry.burst.event
+                receipts[event.position] = Receipt("admitted", event.id)
+            elif self._settled:
+                yield from entry.lines()
 
     async def _act(self, requests: Requests) -> None:
         self._wake_ns = requests.wake_ns
@@ -420,6 +507,9 @@ class LiveDriver:
         self._called.pop((call.process, call.seq), None)
         self._inbox.append((answer, None))
         self._woken.set()
+
+
+_TAKEN = Receipt("taken")
 
 
 def _place(item: Input) -> object:

@@ -38,6 +38,9 @@ GROUP_LINES = 512
 #: And at least after so many items, so that an eventless stretch moves the source cursor too.
 GROUP_ITEMS = 1024
 
+#: So many items of a recording are fed together.
+AT_ONCE = 64
+
 #: How often, in seconds of the wall's clock, operators' acts are looked for in the folder beside the journal.
 ACTS_POLL_S = 0.2
 
