@@ -108,10 +108,8 @@ def print_cost(own: GuaranteeSettings) -> None:
         evidence.weigh()
         evidence.alarms()
     take_s = time.process_time() - began_s
-    print(
     each_us = 1e6 * rule_s / turns, 1e6 * take_s / turns
     print(f"\nA decision costs {each_us[0]:.1f} µs (its draw), an outcome {each_us[1]:.0f} µs, however many came before.")
-    )
 
 
 def _first(own: GuaranteeSettings) -> int:
