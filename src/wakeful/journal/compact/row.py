@@ -128,12 +128,23 @@ def _row(entries: Sequence[Entry], writer: BodyWriter, form: int) -> Row:
     numbers: set[int] = set()
     kinds: set[type] = set()
     counts = Counts()
+    add, crc32 = numbers.add, zlib.crc32
     for entry in entries:
         if isinstance(entry, Pack):
             burst = entry.burst
             kinds.add(burst.__class__)
-            numbers.update(_ABOUT[burst.__class__](burst))
-            count_burst(burst, counts)
+            if isinstance(burst, Ran):  # the two that every automatic event writes, without a call
+                add(crc32(burst.event.encode()))
+                add(burst.process & 0xFFFFFFFF)
+            elif isinstance(burst, Covered):
+                add(crc32(burst.event.id.encode()))
+                add(burst.process & 0xFFFFFFFF)
+                counts.admitted += 1
+                if burst.process > counts.process:
+                    counts.process = burst.process
+            else:
+                numbers.update(_ABOUT[burst.__class__](burst))
+                count_burst(burst, counts)
         else:
             kinds.add(entry.record.__class__)
             count(entry.record, counts, numbers)
