@@ -1,23 +1,25 @@
-"""W through wakeful's live driver: each event is admitted by itself, and its admission returns when it is durable."""
+"""W through wakeful's live driver: what has come is handed over at once, and that returns when all of it is durable."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Coroutine
 
 from benchmarks.peers.drafting import draft
 from benchmarks.peers.learned import DOMAIN
-from benchmarks.peers.messages import AnyMessage, Event, Evidence, Tick, decode
+from benchmarks.peers.messages import AnyMessage, Event, Tick, decode
+from benchmarks.peers.messages import Evidence as Reading
 from benchmarks.peers.of_wakeful import SOURCE, evidence, finals_of, outcome, prepare, registry
 from benchmarks.peers.running import Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_NS
-from wakeful import LiveDriver
+from wakeful import Draft, Evidence, LiveDriver, Outcome
 from wakeful.contracts.journal import Journal
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import GROUP_S
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import open_journal
+
+Input = Draft | Evidence | Outcome
 
 
 class WakefulLive:
@@ -41,6 +43,7 @@ class WakefulLive:
             source=SOURCE,
             clock_ns=lambda: first_ns,
             closes_journal=True,
+            settles_garbage=True,
             group_s=run.load.group_s if run.load.rate else GROUP_S,
             monotonic_ns=lambda: self._at_ns,
         )
@@ -54,23 +57,29 @@ class WakefulLive:
         offered: list[asyncio.Task[None]] = []
         async with self._mind:
             for came, texts in self._run.windows(sleep=False):
-                handing: list[Coroutine[None, None, None]] = []
-                later_ns = 0
+                taking: list[Input] = []
+                came_from_ns = 0
                 for came_ns, text in zip(came, texts, strict=True):
                     message = decode(text)
                     if not open_loop and message.at_ns > self._at_ns + LIMIT_NS // 2:
-                        await self._taken(handing)  # no limit passes between two messages that are handed over together
-                        handing, later_ns = [], now_ns()
+                        await self._taken(taking)  # no limit passes between two messages that are handed over together
+                        taking, came_from_ns = [], now_ns()
                         self._at_ns = message.at_ns
-                    handing.append(self._hand(message, max(came_ns, later_ns)))
+                    taken = self._input(message, max(came_ns, came_from_ns))
+                    if taken is not None:
+                        taking.append(taken)
                 if open_loop:
                     self._at_ns = message.at_ns if texts else self._at_ns
-                    offered += [asyncio.create_task(each) for each in handing]
+                    offered.append(asyncio.create_task(self._hand(taking)))
                     await asyncio.sleep(self._run.load.group_s / 2)
                 else:
-                    await self._taken(handing)
+                    await self._taken(taking)
             await asyncio.gather(*offered)
             await self._settle()
+
+    async def _hand(self, taking: list[Input]) -> None:
+        await self._mind.take_many(taking)
+        self._run.acknowledge([each.entity for each in taking if isinstance(each, Draft)])
 
     async def _thought(self) -> None:
         """Until nobody is ready to think: a client that offers as much as is taken does not build up a backlog."""
@@ -86,28 +95,24 @@ class WakefulLive:
             await asyncio.sleep(0.001)
         await self._thought()
 
-    async def _taken(self, handing: list[Coroutine[None, None, None]]) -> None:
-        await asyncio.gather(*handing)
+    async def _taken(self, taking: list[Input]) -> None:
+        await self._hand(taking)
         await self._thought()
 
-    def _hand(self, message: AnyMessage, came_ns: int) -> Coroutine[None, None, None]:
+    def _input(self, message: AnyMessage, came_ns: int) -> Input | None:
         if isinstance(message, Event):
             if message.entity in self._run.acknowledged:  # in an earlier life
-                return asyncio.sleep(0)
+                return None
             self._run.times.came[message.entity] = came_ns
-            return self._admit(message)
+            return draft(message)
         if isinstance(message, Tick):
-            return asyncio.sleep(0)
-        if isinstance(message, Evidence):
+            return None
+        if isinstance(message, Reading):
             self._run.times.read.setdefault(message.entity, came_ns)
             self._last = evidence(message)
-            return self._mind.tell(self._last)
-        self._last = outcome(message)
-        return self._mind.tell(self._last)
-
-    async def _admit(self, event: Event) -> None:
-        await self._mind.admit(draft(event))
-        self._run.acknowledge([event.entity])
+        else:
+            self._last = outcome(message)
+        return self._last
 
     def finals(self) -> list[str]:
         """From the journal."""
