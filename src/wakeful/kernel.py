@@ -578,8 +578,9 @@ class Kernel:
                     break
                 self._now_ns = max(self._now_ns, closes_ns)
                 self._judge(self._validation.close(self._now_ns))
-            elif due_ns is not None and due_ns <= now_ns and self._left != 0:
-                self._left = None if self._left is None else self._left - 1
+            elif due_ns is not None and due_ns <= now_ns and (self._left != 0 or self._scheduler.passes_next):
+                if self._left and not self._scheduler.passes_next:
+                    self._left -= 1
                 self.steps_done += 1
                 self._now_ns = max(self._now_ns, due_ns)
                 self._scheduler.run_due()

@@ -72,6 +72,11 @@ class Agenda:
             heapq.heappop(heap)
         return None
 
+    @property
+    def step_next(self) -> bool:
+        """Whether the first entry is a step's end."""
+        return bool(self._heap) and self._heap[0][1] == Rank.STEP
+
     def take(self) -> Due | None:
         """Take the first entry off; None where it no longer holds."""
         entry = heapq.heappop(self._heap)

@@ -135,6 +135,11 @@ class Scheduler:
         """When the next step ends or the next limit passes."""
         return self._host.now_ns if self.held_back and self.processes.runnable else self._agenda.next_ns()
 
+    @property
+    def passes_next(self) -> bool:
+        """Whether what falls due next is no step but a limit: it passes when it is due, however many steps wait for their turn."""
+        return not self.held_back and not self._agenda.step_next
+
     def run_due(self) -> None:
         """Do the first thing that is due: end one step, or let one limit pass."""
         due = self._agenda.take()
