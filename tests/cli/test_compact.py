@@ -38,6 +38,7 @@ def test_what_is_old_is_given_up_and_said(wakeful: Wakeful, long: Path, monkeypa
     assert 60 <= events <= 80
     with open_journal(long, read_only=True) as journal:
         assert audit(journal).ok
+    assert f"; {events} older events given up," in wakeful("status", "--journal", long).output
     exported = wakeful("export", "--journal", long).stdout
     assert '"is":"compacted","first":' in exported
 

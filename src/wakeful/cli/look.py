@@ -34,7 +34,8 @@ def status_command(journal: Path | None, as_json: bool) -> None:
         state = {"journal": str(path), "lines": read.last, "now_ns": read.now_ns, "summary": told}
         print_json({**state, "backlog": backlog(read), "named": named(read)})
         return
-    say(f"{path}: {count(read.last, 'line')}, {', '.join(_sources(read)) or 'no source yet'}")
+    older = f"; {count(read.given_up, 'older event')} given up" if read.given_up else ""
+    say(f"{path}: {count(read.last, 'line')}{older}, {', '.join(_sources(read)) or 'no source yet'}")
     print_state(told)
     print_backlog(backlog(read))
     _print_named(named(read))

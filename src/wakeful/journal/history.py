@@ -14,6 +14,7 @@ from wakeful.facts.lines import (
     Answered,
     AnyRecord,
     Asked,
+    Compacted,
     Concluded,
     Created,
     Decided,
@@ -90,6 +91,10 @@ class ProcessPast(msgspec.Struct):
         return [asked for seq, asked in self.asked.items() if seq not in self.answered]
 
 
+#: Under what the refusals are counted whose reason is older than what is kept.
+OLDER = "older than what is kept"
+
+
 class EventPast(msgspec.Struct):
     """One admitted event, with its processes: the root first, then children and reopenings."""
 
@@ -111,6 +116,8 @@ class History(msgspec.Struct):
     finished: list[Finished] = []
     duplicates: int = 0
     refused: dict[str, int] = {}
+    given_up: int = 0
+    """Events that were older than what is kept: of them nothing is known here but their number."""
     outcomes: dict[str, Outcome] = {}
     """What the world showed, by id, in the order of arrival."""
     gained: dict[int, Gained] = {}
@@ -163,6 +170,11 @@ class History(msgspec.Struct):
                     self.events[record.event].duplicates += 1
             case Refused():
                 self.refused[record.reason] = self.refused.get(record.reason, 0) + 1
+            case Compacted():
+                self.given_up += record.admitted
+                self.duplicates += record.duplicate
+                if record.refused:
+                    self.refused[OLDER] = self.refused.get(OLDER, 0) + record.refused
             case Witnessed():
                 self.outcomes.setdefault(record.outcome.id, record.outcome)
             case Created():
