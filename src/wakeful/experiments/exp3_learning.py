@@ -103,7 +103,6 @@ def one(name: str, variant: Variant, seed: int) -> Measured:
     for each in run(method, of):
         said.append(each)
         noise.append(method.memory.noise)
-    method.train()
     after = method.accuracy(familiar), method.accuracy(of.held)
     return Measured(
         figures=figures(of, said), courses=courses(of, said), kept=(before[0], after[0], before[1], after[1]), noise=tuple(noise)

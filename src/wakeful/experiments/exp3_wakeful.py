@@ -35,8 +35,8 @@ from wakeful.selection.selector import SelectionSettings, Selector
 #: likelier than not is left to it. What is unlike anything met is told by its type, so that distance says nothing more.
 GATE = SelectionSettings(thresholds="fixed", confidence=0.5, result_confidence=0.5, novelty_limit=1.0)
 
-PLAN = LearningSettings(held_back=0.0, every=32, growth=0.0, contradiction_counts=1)
-"""A new model version after 32 validations, from all of them: what cannot wait is memory's. Nothing is held back of so few."""
+PLAN = LearningSettings(held_back=0.0, every=64, growth=0.0, contradiction_counts=1)
+"""A new model version after 64 validations, from all of them: what cannot wait is memory's. Nothing is held back of so few."""
 _RELATIONS = {"none": Relation.NEW, "unchanged": Relation.UNCHANGED, "moved": Relation.MOVED}
 
 
@@ -93,10 +93,11 @@ class Wakeful:
         self._met = np.zeros(self._selector.encoder.size, dtype=np.bool_)
         self._events: dict[int, Event] = {}
         self._weights = b""
-        self._versions = 0
         for number, met in enumerate(world.pretraining, 1):
             self._gain(met, event(met, number))
-        self.train()
+        first = self._learning.due(0)
+        if first is not None:
+            self._train(first)
 
     def decide(self, place: int, met: Met) -> Said:
         """The selector's decision with memory's say; the reasoner's where it is not automatic."""
@@ -126,18 +127,6 @@ class Wakeful:
             decision = self._decision(event(met, 0))
             right += decision.treatment == met.case.truth and _likeliest(decision) == OUTCOMES[met.outcome]
         return 100.0 * right / len(events)
-
-    def train(self) -> None:
-        """A new model version from all experience, due or not."""
-        asked = TrainingAsked(
-            training=self._versions + 1,
-            base=self._versions,
-            watermark=self._learning.watermark,
-            seed=self._learning.settings.seed + self._versions + 1,
-            epochs=PLAN.epochs if self._versions else PLAN.epochs_first,
-            publish_ns=0,
-        )
-        self._train(asked)
 
     def _decision(self, own: Event) -> Decision:
         features = self._selector.encode(own)
@@ -172,7 +161,6 @@ class Wakeful:
         card, self._weights = self._learner.train(self._learning.job(asked, self._weights))
         self._selector.use(card, self._weights)
         self._learning.apply(Published(training=asked.training, card=card))
-        self._versions = asked.training
 
 
 def _likeliest(decision: Decision) -> str:

@@ -22,6 +22,8 @@ class Recollection(Fact, frozen=True):
     labels: dict[str, float]
     noise: float
     confirmed: bool = True
+    contradicted: bool = False
+    """Whether the last validation told another outcome than is believed."""
 
     @property
     def label(self) -> str:

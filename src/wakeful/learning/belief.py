@@ -16,11 +16,11 @@ Floats = npt.NDArray[np.float64]
 
 NOISE: Final = (0.002, 0.01, 0.03, 0.08, 0.15, 0.25, 0.40)
 """The share of validations that tell something else than what is so."""
-CHANGE: Final = (0.0003, 0.001, 0.003, 0.01, 0.03)
+CHANGE: Final = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1)
 """The chance that a thing is redrawn from one experience of the mind to the next, whatever that is an experience of."""
 _NOISE = np.repeat(np.array(NOISE), len(CHANGE))
 _CHANGE = np.tile(np.array(CHANGE), len(NOISE))
-_PRIOR = -(_NOISE / 0.15) - (_CHANGE / 0.01)
+_PRIOR = -(_NOISE / 0.15) - (_CHANGE / 0.03)
 """Little noise and little change are expected at first; the scales were chosen with ``experiments/exp3_choice.py``."""
 
 MEMORY: Final = 60.0

@@ -138,6 +138,7 @@ class Exemplars:
             treatment_share=round(float(treatments[right]), _DIGITS),
             labels=dict(zip(self.labels, np.round(labels, _DIGITS).tolist(), strict=True)) if exemplar.label.told else {},
             noise=round(exemplar.label.noise(self.label_repeats), _DIGITS),
+            contradicted=exemplar.told[-1].label not in (-1, int(labels.argmax())),
             confirmed=any(told.treatment == right and told.label in (-1, int(labels.argmax())) for told in exemplar.told),
         )
 

@@ -11,6 +11,8 @@ from wakeful.facts.recollection import Recollection
 
 SURE: Final = 0.5
 """How far what memory says must be believed for automatic execution."""
+RELIABLE: Final = 0.15
+"""Where fewer of its validations than this are wrong, one that contradicts what is believed is not passed over."""
 NOISY: Final = 0.25
 """Where more of its validations are wrong than this, or seem so, an event is left to the model."""
 
@@ -75,6 +77,8 @@ def _doubts(recalled: Recollection) -> list[str]:
         doubts.append("Its right treatment was never told.")
     elif not recalled.confirmed:
         doubts.append(f"No experience of it that ended in {recalled.label!r} has confirmed a treatment yet.")
+    if recalled.contradicted and recalled.noise < RELIABLE:
+        doubts.append(f"Its last validation told otherwise, and only {recalled.noise:.1%} of them are expected to be wrong.")
     if recalled.share < SURE:
         doubts.append(f"Memory holds it with {recalled.share:.3f} only, below {SURE:g}.")
     return doubts
