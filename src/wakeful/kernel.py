@@ -186,8 +186,8 @@ class Kernel:
         Args:
             inputs: in the order of their arrival; an Instant among them brings the kernel to the time of the next ones.
             now_ns: kernel time; an earlier one than before counts as that.
-            steps: do at most so many of the steps and limits that are due, so that a live driver hears of what comes between
-                two awaits of a treatment; the others stay due. None: all of them.
+            steps: do at most so many of the steps that are due, so that a live driver hears of what comes between two awaits
+                of a treatment; the others stay due. None: all of them. Limits pass when they are due.
             hold: run no treatment's code at this feed, so that what it admits can be durable before that; the next one lets go.
             stop: don't go on to the next Instant once anything outside is to be done, so that in virtual time its answer comes
                 when it is due; ``Requests.left`` says how many of the inputs are left, that Instant the first of them.

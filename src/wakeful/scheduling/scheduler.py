@@ -137,7 +137,7 @@ class Scheduler:
 
     @property
     def passes_next(self) -> bool:
-        """Whether what falls due next is no step but a limit: it passes when it is due, however many steps wait for their turn."""
+        """Whether what falls due next is no step but a limit: that passes when it is due, however many steps wait."""
         return not self.held_back and not self._agenda.step_next
 
     def run_due(self) -> None:
