@@ -214,12 +214,13 @@ async def real(times: float, seconds: float, folder: Path) -> dict[str, object]:
                 index += 1
             await asyncio.sleep(0.01)
         over_ns = overloaded.kernel.now_ns
-        while tasks or overloaded.kernel.backlog or overloaded.busy or overloaded.kernel.runnable:
+        while tasks or len(overloaded.kernel._scheduler.processes):
             await asyncio.sleep(0.05)
     with open_journal(path, read_only=True) as journal:
         found = row("live", history(journal), sustained, rate, over_ns, before_mb)
         admitted = sum(1 for line in journal.lines() if isinstance(line.record, Admitted))
-        return {**found, "audit": audit(journal).ok, "acknowledged": dropped["admitted"], "journaled": admitted}
+        report = audit(journal)
+        return {**found, "audit": report.ok, "acknowledged": dropped["admitted"], "journaled": admitted}
 
 
 def main() -> int:

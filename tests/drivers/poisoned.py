@@ -18,6 +18,7 @@ from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.domains import load
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.inline import Mind, open_live
+from wakeful.drivers.live import LiveDriver
 from wakeful.drivers.poison import CrashMark
 from wakeful.drivers.sd_notify import Heart
 from wakeful.drivers.simulated import SimulatedDriver
@@ -114,12 +115,17 @@ def by_calls() -> None:
             mind.offer(draft)
 
 
+def open_processes(mind: LiveDriver) -> int:
+    """How many are not completed: between a decision and its commit nothing is busy, and yet not all is done."""
+    return len(mind.kernel._scheduler.processes)
+
+
 async def live() -> None:
     offered = missing()
     async with open_live(domain, JOURNAL, registry=registry, slots=2) as mind:
         receipts = await asyncio.gather(*(mind.admit(draft) for draft in offered))
         assert all(receipt.status == "admitted" for receipt in receipts), receipts
-        while mind.kernel.runnable or mind.busy:
+        while open_processes(mind):
             await asyncio.sleep(0.01)
 
 

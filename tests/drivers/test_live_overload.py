@@ -35,7 +35,7 @@ def live(journal: MemoryJournal) -> LiveDriver:
 
 
 async def quiet(mind: LiveDriver) -> None:
-    while mind.busy or mind.kernel.runnable:
+    while len(mind.kernel._scheduler.processes):
         await asyncio.sleep(0.01)
 
 
