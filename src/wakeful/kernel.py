@@ -172,6 +172,12 @@ class Kernel:
         """What is known of a source: where to go on, or that it was finished."""
         return self._sources.states.get(name)
 
+    def awaits(self, process: int, seq: int) -> bool:
+        """Whether that process waits for the answer to its request of that number."""
+        found = self._scheduler.processes.get(process)
+        pending = found.pending if found is not None else None
+        return pending is not None and pending.seq == seq
+
     def result(self, concluded: Concluded) -> Result:
         """A recorded result in its treatment's own type."""
         return self._scheduler.result(concluded)

@@ -17,11 +17,13 @@ from wakeful.drivers.outside import LARGEST_REPLY_BYTES, make
 from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.drivers.spending import spent
 from wakeful.facts.asking import Question, Reply
+from wakeful.facts.events import Draft
 from wakeful.facts.evidence import Evidence, Outcome
-from wakeful.facts.inputs import Answer, Call
+from wakeful.facts.inputs import Act, Answer, Call
 from wakeful.facts.lines import Answered, Line
 from wakeful.facts.packs import Entry
 from wakeful.facts.settings import MindSettings
+from wakeful.facts.values import Field
 from wakeful.journal import MemoryJournal, open_journal
 from wakeful.journal.audit import audit
 from wakeful.testing.crash_points import Crashed, crashing
@@ -115,6 +117,20 @@ def test_a_live_mind_has_made_evidence_durable_when_it_says_so_although_nobody_w
             return mind.journal.state()
 
     assert any(b'"e1"' in value for value in asyncio.run(told()).values())
+
+
+def test_the_end_of_a_source_does_not_wait_for_an_answer_that_nobody_waits_for() -> None:
+    thinker = Says(RIGHT)
+    thinker.latency_s = 50.0
+    domain = load("service_robot")
+    kernel, learner = assemble(domain, MindSettings(step_s=0.0))
+    driver = SimulatedDriver(kernel, MemoryJournal(), thinker, learner)
+    unsteady: dict[str, Field] = {"category": "obstacle", "state": "unstable", "location": "edge"}
+    met = Draft(kind="object", entity="box", source="s", position=0, at_ns=0, fields=unsteady)
+    for _ in driver.run("s", "d", lambda after: [met][after + 1 :]):
+        driver._feed([Act(who="ana", act="cancel", process=1, why="enough")], 1_000_000_000)
+    assert kernel.now_ns == 1_000_000_000
+    driver.close()
 
 
 def test_the_opening_of_a_journal_that_is_interrupted_leaves_no_lock(tmp_path: Path) -> None:

@@ -238,13 +238,19 @@ class SimulatedDriver:
 
     def _settle(self) -> None:
         """Let what can run run to its end, and what is being answered be answered; waits for the world stay."""
-        while self.kernel.runnable or self._answers or self._trainer.next_publication_ns() is not None:
+        while self.kernel.runnable or self._awaited() or self._trainer.next_publication_ns() is not None:
             due_ns = self._next_due_ns()
             wake_ns = self._wake_ns if self.kernel.runnable else None
             instants = [instant for instant in (due_ns, wake_ns) if instant is not None]
             if not instants:
                 break
             self._advance(min(instants))
+
+    def _awaited(self) -> bool:
+        """Whether somebody still waits for an answer; those for processes that were cancelled or gave up are dropped."""
+        self._answers = [each for each in self._answers if self.kernel.awaits(each[1], each[2])]
+        heapq.heapify(self._answers)
+        return bool(self._answers)
 
     def _next_due_ns(self) -> int | None:
         publication_ns = self._trainer.next_publication_ns()
