@@ -12,6 +12,7 @@ import click
 import msgspec
 
 from wakeful.cli.mistakes import Mistake
+from wakeful.journal.retention import Retention
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -54,6 +55,36 @@ def delta_option(default: float | None) -> Callable[[F], F]:
         show_default=default is not None,
         help=f"Under the guarantee: the probability with which it may fail. {unless}".rstrip(),
     )
+
+
+def retention_options(command: F) -> F:
+    """How much of the past a journal keeps while a mind writes it."""
+    default = Retention()
+    for each in (
+        option(
+            "--keep-megabytes",
+            type=click.IntRange(min=0),
+            default=default.megabytes,
+            show_default=True,
+            help="Give up what is oldest where the journal is larger. 0: no limit.",
+        ),
+        option(
+            "--keep-events",
+            type=click.IntRange(min=0),
+            default=default.events,
+            show_default=True,
+            help="Keep the newest so many events, and what is open or owed. 0: no limit.",
+        ),
+        option(
+            "--keep-days",
+            type=click.FloatRange(min=0.0),
+            default=default.days,
+            show_default=True,
+            help="Keep so many days of events, and what is open or owed. 0: no limit.",
+        ),
+    ):
+        command = each(command)
+    return command
 
 
 json_option = option("--json", "as_json", is_flag=True, help="Print JSON instead of text.")

@@ -11,7 +11,7 @@ import click
 import msgspec
 
 from wakeful.cli.mistakes import Mistake
-from wakeful.cli.options import alpha_option, delta_option, json_option, option, print_json
+from wakeful.cli.options import alpha_option, delta_option, json_option, option, print_json, retention_options
 from wakeful.cli.progress import Progress, Stop, stoppable
 from wakeful.cli.sources import Source, default_journal, find_source
 from wakeful.cli.summary import print_summary
@@ -30,6 +30,7 @@ from wakeful.facts.events import Draft, Observation
 from wakeful.facts.lines import Opened
 from wakeful.facts.settings import Gating, MindSettings, Selecting
 from wakeful.journal.acts import ActSpool
+from wakeful.journal.retention import Retention
 from wakeful.journal.sqlite import SqliteJournal, open_journal
 from wakeful.journal.views import Summary, View, summary
 from wakeful.treatments.registry import Registry
@@ -137,6 +138,7 @@ class Speed(click.ParamType[float]):
     help="Share of familiar events that may be taken for unfamiliar ones, and get a provisional treatment.",
 )
 @option("--robot", default=None, metavar="NAME", help="The robot's name, where the source does not say it.")
+@retention_options
 @json_option
 @click.pass_context
 def run_command(
@@ -157,6 +159,9 @@ def run_command(
     audit_rate: float,
     novelty_rate: float,
     robot: str | None,
+    keep_days: float,
+    keep_events: int,
+    keep_megabytes: int,
     as_json: bool,
 ) -> None:
     """Read SOURCE, register its events, treat every one, journal everything, learn, and sum up.
@@ -172,7 +177,8 @@ def run_command(
     if journal is not None and not journal.parent.is_dir():
         raise Mistake(f"there is no directory {journal.parent} for the journal; make it, or name another place with --journal")
     began_s = time.monotonic()
-    with stoppable() as stop, open_journal(path) as opened:
+    retention = Retention(days=keep_days, events=keep_events, megabytes=keep_megabytes)
+    with stoppable() as stop, open_journal(path, retention=retention) as opened:
         _check_domain(opened, found, path)
         thinker = _reasoner(reasoner, found, opened)
         before = summary(opened, strange=0) if opened.last else None
