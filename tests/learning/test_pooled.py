@@ -92,9 +92,13 @@ def test_it_is_better_than_its_network_where_rules_are_sharp() -> None:
     assert right[0] > 0.98
 
 
-def test_without_held_back_rows_the_experts_have_their_prior_weights() -> None:
-    _, weights = LEARNER.train(job(rows=40, held_back=0.0, epochs=3))
-    assert pooled_from_bytes(weights).weights == QUICK.prior
+def test_with_few_held_back_rows_the_network_alone_is_heard() -> None:
+    for share in (0.0, 0.2):
+        _, weights = LEARNER.train(job(rows=40, held_back=share, epochs=3))
+        assert pooled_from_bytes(weights).weights == (1.0, 0.0, 0.0)
+    predictor, network = LEARNER.load(weights), TwoHeads().load(TwoHeads().train(job(rows=40, held_back=0.2, epochs=3))[1])
+    row = np.random.default_rng(1).random(6)
+    assert predictor.estimate(row).treatments == pytest.approx(network.estimate(row).treatments, abs=1e-6)
 
 
 def test_a_job_that_holds_everything_back_is_refused() -> None:

@@ -21,11 +21,14 @@ from wakeful.learning.two_heads import Lineage, TwoHeads, TwoHeadsSettings
 from wakeful.learning.weights import from_bytes, to_bytes
 
 _NEGLIGIBLE = 0.02
+_NETWORK_ALONE = np.array([1.0, 0.0, 0.0])
 
 
 class PooledSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """``joined``: with False the network is trained alone, whatever it goes on from. ``prior`` are the weights of network, rules
-    and forest without any held-back row, ``ridge`` what it takes, in nats, to move a weight by 1 (docs/selector_choice.md)."""
+    and forest without any held-back row, ``ridge`` what it takes, in nats, to move a weight by 1 (docs/selector_choice.md).
+    ``joined_from``: with fewer held-back rows of known treatment the network alone is heard: lists are sure from the first few
+    experiences on, and nobody could yet tell whether rightly so."""
 
     joined: bool = True
     network: TwoHeadsSettings = TwoHeadsSettings()
@@ -33,6 +36,7 @@ class PooledSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     forest: ForestSettings = ForestSettings()
     prior: tuple[float, float, float] = (0.1, 0.5, 0.5)
     ridge: float = 10.0
+    joined_from: int = 20
 
 
 class Pooled(TwoHeads):
@@ -72,8 +76,8 @@ class Pooled(TwoHeads):
         logs = np.concatenate([logs_of(p)[None], PanelReader(tested).logs_many(kept.x)]) if len(kept.x) else np.zeros((3, 0, 1))
         weights = weigh(logs, kept.treatment, kept.weight, np.array(own.prior), own.ridge)
         weights = np.where(weights < _NEGLIGIBLE, 0.0, weights)
-        if not weights.any():
-            weights = np.array(own.prior)
+        if int((kept.treatment >= 0).sum()) < own.joined_from or not weights.any():
+            weights = _NETWORK_ALONE
         shares = (pooled(logs, weights), q) if len(kept.x) else (p, q)
         blob = pooled_to_bytes(PooledModel(network=model, tested=tested, whole=whole, weights=tuple(weights.tolist())))
         lineage = Lineage(again=champion is not None and base is None, continued=base is not None, epochs=epochs)
