@@ -38,6 +38,7 @@ def test_it_says_what_is_promised_and_what_the_promise_rests_on(guaranteed: Path
         assert row["bound"] <= 0.3
         assert row["automatic"] > 0
         assert row["drawn"] < row["events"]
+        assert row["may_cost"] > 0
         assert 0.0 <= row["share_validated"] + row["share_never_validated"] <= 1.0
     text = wakeful("guarantee", "--journal", guaranteed).stdout
     assert "certified for scores from" in text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+import msgspec
 
 from wakeful.cli.options import alpha_option, delta_option, journal_option, json_option, option, print_json, reading
 from wakeful.cli.terminal import heading, paragraph, say, table
@@ -36,7 +37,7 @@ def guarantee_command(journal: Path | None, alpha: float | None, delta: float | 
     with reading(journal) as opened:
         promised = _promised(opened)
         default = promised or GuaranteeSettings()
-        settings = GuaranteeSettings(alpha=alpha or default.alpha, delta=delta or default.delta)
+        settings = msgspec.structs.replace(default, alpha=alpha or default.alpha, delta=delta or default.delta)
         gate, changes = _read(opened, settings, shadow=promised is None)
     rows = report(gate)
     if awaiting:
@@ -51,16 +52,17 @@ def guarantee_command(journal: Path | None, alpha: float | None, delta: float | 
 
 def _promised(journal: SqliteJournal) -> GuaranteeSettings | None:
     """What was promised last; None in a journal of another gate."""
-    found: GuaranteeSettings | None = None
+    own = GuaranteeSettings()
+    alpha, delta, rate, any_audit = own.alpha, own.delta, own.audit_rate, False
     for line in journal.lines_of(kinds=("decided", "certified")):
         record = line.record
         if isinstance(record, Decided) and record.decision.audit is not None:
-            alpha = record.decision.audit.alpha
-            if found is None or found.alpha != alpha:
-                found = GuaranteeSettings(alpha=alpha)
+            audit, any_audit = record.decision.audit, True
+            alpha = audit.alpha
+            rate = audit.probability if audit.automatic else rate
         elif isinstance(record, Certified):
-            found = GuaranteeSettings(alpha=record.alpha, delta=record.promised)
-    return found
+            delta = record.promised
+    return GuaranteeSettings(alpha=alpha, delta=delta, audit_rate=rate) if any_audit else None
 
 
 def _read(journal: SqliteJournal, settings: GuaranteeSettings, shadow: bool) -> tuple[Guarantee, list[Line]]:

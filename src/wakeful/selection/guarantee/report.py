@@ -7,6 +7,7 @@ from typing import Literal
 from wakeful.facts.values import Fact
 from wakeful.selection.guarantee.guarantee import Guarantee
 from wakeful.selection.guarantee.standing import NOTHING, Standing
+from wakeful.selection.guarantee.watch import excess_bound
 
 State = Literal["certified", "not yet", "revoked"]
 
@@ -31,6 +32,8 @@ class Report(Fact, frozen=True):
     ``bound``: P(wrong and automatic) is at most that, at every time at once, with probability 1 − δ: at the level in force, or at
     the strictest where none is. ``events``, ``drawn`` and ``errors`` are the evidence on ``model`` since it began or was revoked.
     ``needed``: so many more without an error certify the next level. ``delay_events``: as many awaited outcomes at once.
+    ``may_cost``: B, so many automatic errors at most come after a change of the declared size before revocation, with probability
+    1 − δ; None where nothing is certified.
     """
 
     treatment: str
@@ -54,6 +57,7 @@ class Report(Fact, frozen=True):
     awaiting: int
     unknown: int
     delay_events: int
+    may_cost: int | None = None
     conditional: Conditional | None = None
 
 
@@ -89,6 +93,7 @@ def _of(treatment: str, standing: Standing) -> Report:
         awaiting=counted.awaiting,
         unknown=counted.unknown,
         delay_events=standing.waiting.longest,
+        may_cost=_cost(standing) if state == "certified" else None,
         conditional=None
         if rate is None
         else Conditional(
@@ -97,10 +102,16 @@ def _of(treatment: str, standing: Standing) -> Report:
     )
 
 
+def _cost(standing: Standing) -> int:
+    own = standing.settings
+    return excess_bound(own.alpha, own.to, own.audit_rate, standing.waiting.longest, own.patience, own.delta)
+
+
 def _says(state: State, standing: Standing) -> str:
     if state == "certified":
         looser = f"; {standing.needed:,} more without an error would loosen it" if standing.needed else ""
-        return f"certified for scores from {standing.level:.2f} on, model version {standing.model}{looser}"
+        cost = f"; a change may cost {_cost(standing):,} errors"
+        return f"certified for scores from {standing.level:.2f} on, model version {standing.model}{looser}{cost}"
     needs = f"needs {standing.needed:,} more events without an error"
     if state == "revoked":
         return f"revoked: {standing.revoked}; {needs}"

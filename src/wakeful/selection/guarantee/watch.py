@@ -64,6 +64,7 @@ def events_to_alarm(risk: float, alpha: float, to: float, audit_rate: float, pat
     return events
 
 
+@lru_cache(maxsize=1024)
 def excess_bound(
     alpha: float, to: float, audit_rate: float, delay_events: int, patience: float, delta: float, spared: bool = False
 ) -> int:
