@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -141,6 +142,38 @@ def fold(variant: Variant, seed: int, left_out: int, took: dict[str, float]) -> 
     return found, third
 
 
+def peers(variant: Variant, seed: int, left_out: int, took: dict[str, float]) -> tuple[dict[str, Floats], Flags]:
+    """Boosted trees of the packages that people use, on the same thirds, where they are installed."""
+    of = world(variant, seed)
+    third = (np.arange(len(of.calibration)) // 2) % FOLDS == left_out
+    y = np.concatenate([labels_of(of.training), labels_of(of.calibration)[~third]])
+    found: dict[str, Floats] = {}
+    for identity in (False, True):
+        train, kept = features(of, "training", identity), features(of, "calibration", identity)
+        x, new, told = np.vstack([train, kept[~third]]), kept[third], "" if identity else ", no identity"
+        for name, model in packages(seed).items():
+            began = time.process_time()
+            found[name + told] = model.fit(x, y).predict_proba(new)
+            took[name + told] = took.get(name + told, 0.0) + time.process_time() - began
+    return found, third
+
+
+def packages(seed: int) -> dict[str, Any]:
+    """LightGBM's and scikit-learn's boosted trees, set as the forest is; these packages are no dependency of wakeful."""
+    from lightgbm import LGBMClassifier  # noqa: PLC0415
+    from sklearn.ensemble import HistGradientBoostingClassifier  # noqa: PLC0415
+
+    return {
+        "LightGBM": LGBMClassifier(
+            n_estimators=150, max_depth=4, learning_rate=0.1, subsample=0.7, subsample_freq=1, colsample_bytree=0.5,
+            min_child_samples=2, num_leaves=15, random_state=seed, n_jobs=1, verbose=-1,
+        ),
+        "scikit-learn": HistGradientBoostingClassifier(
+            max_iter=150, max_depth=4, learning_rate=0.1, max_features=0.5, min_samples_leaf=2, early_stopping=False, random_state=seed
+        ),
+    }  # fmt: skip
+
+
 def _trees(rows: Material, new: Floats, seed: int) -> Floats:
     reader = ForestReader(fit_forest(rows, len(TREATMENTS), seed, ForestSettings()))
     return softmax(reader.logits_many(new))
@@ -192,7 +225,8 @@ def print_cost() -> None:
 @click.command()
 @click.option("--seeds", default=len(SEEDS), help="How many of the tuning seeds.")
 @click.option("--cost", is_flag=True, help="Print what the choice costs instead.")
-def main(seeds: int, cost: bool) -> None:
+@click.option("--peers", "packaged", is_flag=True, help="Compare LightGBM's and scikit-learn's trees instead.")
+def main(seeds: int, cost: bool, packaged: bool) -> None:
     """Print each candidate's accuracy and log loss on what was left out, by variant."""
     if cost:
         print_cost()
@@ -204,7 +238,7 @@ def main(seeds: int, cost: bool) -> None:
             of = world(variant, seed)
             labels = labels_of(of.calibration)
             for left_out in range(FOLDS):
-                found, third = fold(variant, seed, left_out, took)
+                found, third = (peers if packaged else fold)(variant, seed, left_out, took)
                 for name, shares in found.items():
                     tally = tallies.setdefault((name, variant.name), Tally())
                     own = labels[third]

@@ -1,16 +1,15 @@
 """Writes exp1_tables.md from what `wakeful reproduce exp1` printed to files.
 
-Run: `python docs/draw_exp1.py TEN.txt FIFTY.txt`, each the output of the command that stands above its table on the page.
+Run: `python docs/draw_exp1.py TEN.txt FRESH.txt`, each the output of the command that stands above its tables on the page.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 METRICS = ("overall", "structured", "strict_pair", "random", "task_safety", "automatic", "reasoner_calls")
-COMMANDS = ("wakeful reproduce exp1", "wakeful reproduce exp1 --first-seed 1000 --seeds 50")
-TITLES = ("The project's ten seeds", "Fifty fresh seeds")
 HEAD = """# Experiment 1: all figures
 
 Written by `python docs/draw_exp1.py` from the command's own output; how and why stands in [experiments](experiments.md).
@@ -20,8 +19,12 @@ stand under each table.
 """
 
 
-def section(title: str, command: str, text: str) -> str:
+def section(text: str) -> str:
     """The three tables of one run, and what was said under them."""
+    fresh = re.search(r"over (\d+) seeds \((\d+) to \d+\)", text)
+    title, command = "The project's ten seeds", "wakeful reproduce exp1"
+    if fresh is not None:
+        title, command = f"{fresh[1]} fresh seeds", f"{command} --first-seed {fresh[2]} --seeds {fresh[1]}"
     lines = text.splitlines()
     cells = {}
     for line in lines:
@@ -47,10 +50,7 @@ def section(title: str, command: str, text: str) -> str:
 
 def main() -> None:
     """Read each run's output, write the page beside this file."""
-    pages = [
-        section(title, command, Path(name).read_text())
-        for title, command, name in zip(TITLES, COMMANDS, sys.argv[1:], strict=False)
-    ]
+    pages = [section(Path(name).read_text()) for name in sys.argv[1:]]
     (Path(__file__).parent / "exp1_tables.md").write_text(HEAD + "\n" + "\n".join(pages))
 
 
