@@ -169,7 +169,8 @@ def packages(seed: int) -> dict[str, Any]:
             min_child_samples=2, num_leaves=15, random_state=seed, n_jobs=1, verbose=-1,
         ),
         "scikit-learn": HistGradientBoostingClassifier(
-            max_iter=150, max_depth=4, learning_rate=0.1, max_features=0.5, min_samples_leaf=2, early_stopping=False, random_state=seed
+            max_iter=150, max_depth=4, learning_rate=0.1, max_features=0.5, min_samples_leaf=2, early_stopping=False,
+            random_state=seed,
         ),
     }  # fmt: skip
 
