@@ -62,7 +62,7 @@ async def attend(event: Event, mind: MindView) -> Attended:
         poison()
     await mind.work(2)
     if poisonous and "call" in WAY:
-        await mind.call(poison_later if WAY == "later-in-call" else poison, "sensor", 5.0)
+        await mind.call(poison_later if WAY == "later-in-call" else poison, "sensor", 600.0)
     elif poisonous:
         poison()
     await mind.work()
