@@ -89,5 +89,5 @@ def test_agreement_with_an_automatic_decision_changes_nothing_but_what_learns_fr
 
 
 def test_memory_never_allows_what_the_guarantee_gate_did_not() -> None:
-    audit = Audit(treatment="memory", score=0.5, level=0.9, probability=0.2, drawn=False, alpha=0.05)
+    audit = Audit(treatment="memory", predicted="none", score=0.5, level=0.9, probability=0.2, drawn=False, alpha=0.05)
     assert with_memory(msgspec.structs.replace(MADE, audit=audit), FOUND).mode == "delib"

@@ -25,6 +25,7 @@ from wakeful.facts.events import Context, Event, Relation
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import Decided, Gained, Published, TrainingAsked
 from wakeful.facts.time import NS_PER_S, Stamp
+from wakeful.learning.belief import Expected
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.pooled import Pooled
@@ -81,13 +82,14 @@ class Wakeful:
     Args:
         world: its materials are the mind's experience before the stream.
         learner: of the model.
+        expected: memory's, where it is not what ships.
     """
 
-    def __init__(self, world: DriftWorld, learner: Learner | None = None) -> None:
+    def __init__(self, world: DriftWorld, learner: Learner | None = None, expected: Expected | None = None) -> None:
         self._reasoner = DriftReasoner(world)
         self._learner = learner or Pooled()
         self._selector = Selector(spec(), TREATMENTS, self._learner, GATE)
-        self.memory = Exemplars(self._selector.encode, TREATMENTS, OUTCOMES)
+        self.memory = Exemplars(self._selector.encode, TREATMENTS, OUTCOMES, expected=expected)
         plan = msgspec.structs.replace(PLAN, seed=world.seed)
         self._learning = Learning(spec(), TREATMENTS, self._learner, self._selector.encode, plan)
         self._met = np.zeros(self._selector.encoder.size, dtype=np.bool_)

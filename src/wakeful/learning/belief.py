@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
+import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -20,9 +21,6 @@ CHANGE: Final = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1)
 """The chance that a thing is redrawn from one experience of the mind to the next, whatever that is an experience of."""
 _NOISE = np.repeat(np.array(NOISE), len(CHANGE))
 _CHANGE = np.tile(np.array(CHANGE), len(NOISE))
-_PRIOR = -(_NOISE / 0.15) - (_CHANGE / 0.03)
-"""Little noise and little change are expected at first; the scales were chosen with ``experiments/exp3_choice.py``."""
-
 MEMORY: Final = 60.0
 """Validations over which the estimate forgets."""
 _LEAST = 1e-12
@@ -32,17 +30,29 @@ _KEEP = 1.0 - 1.0 / MEMORY
 TOGETHER: Final = 64
 
 
+class Expected(msgspec.Struct, frozen=True):
+    """How much noise and change are expected before anything has shown: exponential priors with these means.
+
+    Chosen on seeds 1000 to 1019 of Experiment 3 by ``python -m wakeful.experiments.exp3_choice``.
+    """
+
+    noise: float = 0.15
+    change: float = 0.03
+
+
 class Repeatability:
     """How noise and change have shown so far, over all things together: a weight for each pair of the grid."""
 
-    def __init__(self) -> None:
+    def __init__(self, expected: Expected | None = None) -> None:
+        first = expected or Expected()
+        self._prior: Floats = -_NOISE / first.noise - _CHANGE / first.change
         self._logs: Floats = np.zeros(len(_NOISE))
         self._waiting: list[tuple[float, int, int]] = []
 
     @property
     def logs(self) -> Floats:
         """The pairs' log weights, prior included, not normalised."""
-        return _PRIOR + self._with_waiting()
+        return self._prior + self._with_waiting()
 
     def learn(self, chances: Floats) -> None:
         """One validation: the chance that each pair had given to what came, (pairs,)."""

@@ -20,7 +20,7 @@ from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import AnyRecord, Decided, Gained
 from wakeful.facts.recollection import Recollection
-from wakeful.learning.belief import Belief, Repeatability
+from wakeful.learning.belief import Belief, Expected, Repeatability
 from wakeful.learning.episodes import Encode
 
 LIKE_ENOUGH: Final = 0.6
@@ -86,14 +86,23 @@ class Exemplars:
         treatments: all registered treatments, in a fixed order.
         labels: the domain's outcome labels.
         limit: how many exemplars are remembered.
+        expected: how noisy and how changing the world is held to be at first.
     """
 
-    def __init__(self, encode: Encode, treatments: tuple[str, ...], labels: tuple[str, ...], limit: int = 4096) -> None:
+    def __init__(
+        self,
+        encode: Encode,
+        treatments: tuple[str, ...],
+        labels: tuple[str, ...],
+        limit: int = 4096,
+        expected: Expected | None = None,
+    ) -> None:
         self.treatments, self.labels, self.limit = treatments, labels, limit
         self._encode = encode
         self._treatment_at = {name: index for index, name in enumerate(treatments)}
         self._label_at = {name: index for index, name in enumerate(labels)}
-        self.treatment_repeats, self.label_repeats = Repeatability(), Repeatability()
+        self._expected = expected
+        self.treatment_repeats, self.label_repeats = Repeatability(expected), Repeatability(expected)
         self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
         self._like: dict[bytes, list[int]] = {}
         self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
@@ -263,7 +272,7 @@ class Exemplars:
 
     def _replay(self, exemplar: _Exemplar) -> None:
         self._begin(exemplar, exemplar.told[0])
-        aside = Repeatability(), Repeatability()
+        aside = Repeatability(self._expected), Repeatability(self._expected)
         for one in exemplar.told:
             self._teach(exemplar, one, *aside)
 
