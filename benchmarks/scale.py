@@ -1,0 +1,274 @@
+"""What a mind costs as more processes wait: CPU for each further event, memory, pauses; and recovery against journal length.
+
+    ./run python -m benchmarks.scale [--waiting 1000,10000,100000] [--events 1000,10000,50000] [--json] [--svg docs/scale.svg]
+
+Everything runs through the real kernel, with W's model and its stub treatments; waiting processes wait for a reading that comes
+a day later. The last columns are measured while as many wait: events that don't wait, and readings that wake one of those
+that do. Recovery is from a SQLite journal. Times are CPU: on a shared machine the others' share is not the mind's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+from random import Random
+from statistics import quantiles
+from tempfile import TemporaryDirectory
+
+import msgspec
+
+from benchmarks.peers.drafting import draft
+from benchmarks.peers.learned import DOMAIN
+from benchmarks.peers.messages import TREATMENTS, Event, decode
+from benchmarks.peers.treating import TOPIC, WAITS, conclude, look, weigh
+from benchmarks.peers.workload import Workload, make
+from wakeful import Event as WakefulEvent
+from wakeful import Evidence, MindView, Outcome, Registry, Result, treatment
+from wakeful.drivers import garbage
+from wakeful.drivers.assembly import assemble
+from wakeful.facts.inputs import Begin, Input, Instant, Mark
+from wakeful.facts.lines import Line, Published
+from wakeful.facts.overload import UNLIMITED
+from wakeful.facts.settings import MindSettings
+from wakeful.journal import open_journal
+from wakeful.kernel import Kernel
+
+BATCH = 64
+FURTHER = 2_000
+DAY_S = 86_400.0
+SPACING_NS = 1_000_000
+
+
+class Treated(Result, frozen=True, kw_only=True, tag="treated"):
+    """What the stub concludes."""
+
+    state: int
+
+
+class Waiting(msgspec.Struct):
+    """One row: with so many processes waiting."""
+
+    waiting: int
+    cpu_us_per_event: float
+    cpu_us_per_wake: float
+    bytes_per_waiting: float
+    p99_batch_ms: float
+    longest_ms: float
+
+
+class Recovery(msgspec.Struct):
+    """One row: from a journal of so many events, so many of which have an open process."""
+
+    events: int
+    open: int
+    seconds: float
+    us_per_event: float
+
+
+def registry() -> Registry:
+    """W's treatments, with a longer wait."""
+    found = Registry(installed=())
+    for name in TREATMENTS:
+
+        @treatment(name, says="A stub of three steps.")
+        async def treat(event: WakefulEvent, mind: MindView) -> Treated:
+            seen, reading = look(event.entity, event.fields["load"]), None
+            await mind.work()
+            if event.fields["category"] == WAITS:
+                came = await mind.evidence(TOPIC, event.entity, DAY_S)
+                reading = msgspec.json.decode(came[0].value) if came else None
+            await mind.work()
+            forecast = mind.forecast()
+            await mind.work()
+            return Treated(says="", confidence=0.5, forecast=forecast, state=conclude(weigh(seen, reading), forecast.label))
+
+        found.add(treat, replace=True)
+    return found
+
+
+class World:
+    """Events of W, as many as are wanted, of things that wait for a reading or don't."""
+
+    def __init__(self, workload: Workload) -> None:
+        met = [each for each in map(decode, workload.messages) if isinstance(each, Event)]
+        self._waiting = [each for each in met if each.category == WAITS]
+        self._others = [each for each in met if each.category != WAITS]
+        self.at_ns = met[0].at_ns
+        self.position = -1
+
+    def inputs(self, count: int, waits: bool) -> list[Input]:
+        """So many further events, one a millisecond."""
+        found: list[Input] = []
+        source = self._waiting if waits else self._others
+        for _ in range(count):
+            self.position += 1
+            self.at_ns += SPACING_NS
+            event = source[self.position % len(source)]
+            named = msgspec.structs.replace(event, at_ns=self.at_ns, entity=f"{event.category}-{self.position:07d}")
+            found += (Instant(self.at_ns), draft(named, "w", self.position), Mark(source="w", position=self.position))
+        return found
+
+
+def new_kernel(keep: int = 10_000) -> Kernel:
+    """One mind."""
+    return assemble(DOMAIN, MindSettings(step_s=0.0, overload=UNLIMITED, keep_events=keep), registry=registry())[0]
+
+
+def begun(workload: Workload, kernel: Kernel) -> list[Line]:
+    """Publish W's model."""
+    lines = [Line(1, 1, Published(training=1, card=workload.card))]
+    kernel.recover(lines, {}, {workload.card.blob: workload.weights})
+    return lines
+
+
+def waiting(workload: Workload, count: int) -> Waiting:
+    """Let so many processes wait, then measure."""
+    kernel, world = new_kernel(), World(workload)
+    begun(workload, kernel)
+    kernel.feed([Begin(source="w", digest="w")], 1)
+    for _ in range(0, 2_048, BATCH):  # what is kept of every event fills up first
+        kernel.feed(world.inputs(BATCH, waits=False), kernel.now_ns)
+        kernel.changed()
+    garbage.settle()
+    before, first = _resident(), world.position + 1
+    for _ in range(0, count, BATCH):
+        kernel.feed(world.inputs(BATCH, waits=True), kernel.now_ns)
+        kernel.changed()
+    bytes_each = (_resident() - before) / count
+    garbage.settle()
+    took: list[float] = []
+    cpu = time.process_time()
+    for _ in range(0, FURTHER, BATCH):
+        inputs = world.inputs(BATCH, waits=False)
+        began = time.process_time()
+        kernel.feed(inputs, kernel.now_ns)
+        kernel.changed()
+        took.append((time.process_time() - began) * 1e3)
+    cpu_event = (time.process_time() - cpu) / (len(took) * BATCH)
+    random = Random(count)
+    woken = random.sample(range(first, first + count), min(count // 2, FURTHER))
+    cpu = time.process_time()
+    for begin in range(0, len(woken), BATCH):
+        readings: list[Input] = []
+        for number in woken[begin : begin + BATCH]:
+            world.at_ns += SPACING_NS
+            reading = Evidence(
+                id=f"r{number}", topic=TOPIC, key=f"{WAITS}-{number:07d}", at_ns=world.at_ns, value=msgspec.Raw(b"1.5")
+            )
+            readings += (Instant(world.at_ns), reading)
+        began = time.process_time()
+        kernel.feed(readings, kernel.now_ns)
+        kernel.changed()
+        took.append((time.process_time() - began) * 1e3)
+    cpu_wake = (time.process_time() - cpu) / len(woken)
+    return Waiting(
+        waiting=count,
+        cpu_us_per_event=cpu_event * 1e6,
+        cpu_us_per_wake=cpu_wake * 1e6,
+        bytes_per_waiting=bytes_each,
+        p99_batch_ms=quantiles(took, n=100)[-1],
+        longest_ms=max(took),
+    )
+
+
+def recovery(workload: Workload, count: int) -> Recovery:
+    """Write a journal of so many events, a hundredth of which still wait, and recover from it."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "mind.db"
+        kernel, world = new_kernel(), World(workload)
+        with open_journal(path, full_sync=False) as journal:
+            journal.commit(begun(workload, kernel), {}, {workload.card.blob: workload.weights})
+            requests = kernel.feed([Begin(source="w", digest="w")], 1)
+            journal.commit(requests.lines, kernel.changed(), requests.blobs)
+            for _ in range(0, count, 100):
+                inputs = [*world.inputs(99, waits=False), *world.inputs(1, waits=True)]
+                for number in range(world.position - 99, world.position):
+                    at_ns = world.at_ns + 1
+                    inputs.append(_outcome(number, f"{_category(inputs, number, world)}", at_ns))
+                requests = kernel.feed(inputs, kernel.now_ns)
+                journal.commit(requests.lines, kernel.changed(), requests.blobs)
+        again = new_kernel()
+        gc.collect()
+        with open_journal(path, full_sync=False) as journal:
+            began = time.process_time()
+            again.recover(journal.entries(), journal.state(), {workload.card.blob: workload.weights})
+            seconds = time.process_time() - began
+        if again.counts != kernel.counts:
+            raise ValueError(f"recovered {again.counts}, not {kernel.counts}")
+        return Recovery(events=count, open=count // 100, seconds=seconds, us_per_event=seconds / count * 1e6)
+
+
+def _category(inputs: list[Input], number: int, world: World) -> str:
+    found = inputs[3 * (number - (world.position - 99)) + 1]
+    return found.entity  # type: ignore[union-attr]  # every second of three is a draft
+
+
+def _outcome(number: int, entity: str, at_ns: int) -> Outcome:
+    return Outcome(id=f"o{number}", topic="outcome", entity=entity, label="none", at_ns=at_ns)
+
+
+def _resident() -> int:
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+        return pages * resource.getpagesize()
+    except OSError:
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def table(rows: list[Waiting] | list[Recovery]) -> str:
+    """Rows as a Markdown table."""
+    names = rows[0].__struct_fields__
+    lines = ["| " + " | ".join(name.replace("_", " ") for name in names) + " |", "|---" * len(names) + "|"]
+    for row in rows:
+        cells = [getattr(row, name) for name in names]
+        lines.append("| " + " | ".join(f"{each:,}" if isinstance(each, int) else f"{each:,.1f}" for each in cells) + " |")
+    return "\n".join(lines)
+
+
+def draw(path: Path, waits: list[Waiting], recoveries: list[Recovery]) -> None:
+    """The curves, as one picture."""
+    from matplotlib import pyplot  # noqa: PLC0415  # only where a picture is asked for
+
+    figure, axes = pyplot.subplots(1, 4, figsize=(15, 3.4))
+    counts = [row.waiting for row in waits]
+    for axis, name, label in (
+        (axes[0], ("cpu_us_per_event", "cpu_us_per_wake"), "CPU, µs"),
+        (axes[1], ("bytes_per_waiting",), "bytes for each waiting process"),
+        (axes[2], ("p99_batch_ms", "longest_ms"), f"a feed of {BATCH}, ms"),
+    ):
+        for each in name:
+            axis.plot(counts, [getattr(row, each) for row in waits], marker="o", label=each.replace("_", " "))
+        axis.set(xscale="log", xlabel="waiting processes", ylabel=label, ylim=(0, None))
+        axis.legend(fontsize=8)
+    axes[3].plot([row.events for row in recoveries], [row.seconds for row in recoveries], marker="o")
+    axes[3].set(xlabel="events in the journal", ylabel="recovery, s", xlim=(0, None), ylim=(0, None))
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--waiting", default="1000,10000,100000")
+    parser.add_argument("--events", default="1000,10000,50000")
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--svg", type=Path)
+    given = parser.parse_args()
+    workload = make(1, 500)
+    waits = [waiting(workload, int(each)) for each in given.waiting.split(",") if each]
+    recoveries = [recovery(workload, int(each)) for each in given.events.split(",") if each]
+    if given.json:
+        json.dump({"waiting": msgspec.to_builtins(waits), "recovery": msgspec.to_builtins(recoveries)}, sys.stdout, indent=1)
+    else:
+        print("\n\n".join(table(rows) for rows in (waits, recoveries) if rows))
+    if given.svg:
+        draw(given.svg, waits, recoveries)
+
+
+if __name__ == "__main__":
+    main()
