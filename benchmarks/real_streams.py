@@ -40,6 +40,8 @@ from wakeful.selection.selector import SelectionSettings, Selector
 
 ALPHA = 0.05
 GROWTH = 2.0
+MOST_TREATMENTS = 20
+"""With more classes none is seen often enough to earn a certificate of its own."""
 _OPEN = Gate(confidence=1.0, threshold=0.0, novelty=0.0, novelty_limit=1.0, trust=1.0, trust_limit=0.0)
 
 
@@ -217,9 +219,10 @@ def run(stream: Stream, seed: int) -> list[Told]:
     elif stream.texts:
         by = "nearest neighbour on hashed words"
     _, learner = assemble(Recorded(stream))
+    few = len(stream.spec.outcome.labels) <= MOST_TREATMENTS
     return [
         selector(stream, learner, seed, as_treatment=False),
-        selector(stream, Pooled(), seed, as_treatment=True),
+        *([selector(stream, Pooled(), seed, as_treatment=True)] if few else []),
         rival(stream, near, NearestNeighbour(by, standardise=found is None), seed),
         rival(stream, x, Fitted("logistic regression", "linear"), seed),
         rival(stream, x, Fitted("gradient-boosted trees", "trees"), seed),
