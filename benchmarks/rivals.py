@@ -32,7 +32,7 @@ class NearestNeighbour:
         self.name = name
         self._standardise = standardise
 
-    def fit(self, x: Floats, y: Ints, classes: int, seed: int) -> None:
+    def fit(self, x: Floats, y: Ints, classes: int, seed: int) -> None:  # noqa: ARG002
         self._mean, self._scale = np.zeros(x.shape[1]), np.ones(x.shape[1])
         if self._standardise:
             self._mean, self._scale = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-6)

@@ -131,7 +131,7 @@ class Recorded:
         """None."""
         return {}
 
-    def simulate(self, seed: int) -> Iterator[Observation] | None:
+    def simulate(self, seed: int) -> Iterator[Observation] | None:  # noqa: ARG002
         """Nothing: it is a recording."""
         return None
 
