@@ -1,6 +1,6 @@
 """Diagnosis on recordings whose fault is known, beside naive Bayes and a random forest trained on the same earlier cases.
 
-Run: `./run python -m benchmarks.diagnosis ../shared/data [--json]` (scikit-learn: the group `peers`). Two recordings:
+Run: `./run python -m benchmarks.diagnosis ../shared/data [--json]` (scikit-learn: the group `bench`). Two recordings:
 
 - `uci_robot_execution_failures`: force/torque traces after a failure of a real assembly robot, five learning problems. A case is
   one trace as numbers (of each of six channels mean, spread, least, most, slope, last minus first). The order of the cases in the
