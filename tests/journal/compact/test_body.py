@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from msgspec import inspect
 
 from tests.journal.compact.facts import any_of
-from wakeful.facts.lines import AnyRecord, Concluded, Created, Duplicate, Line, Noted
+from wakeful.facts.lines import AnyRecord, Compacted, Concluded, Created, Duplicate, Line, Noted
 from wakeful.facts.packs import AnyBurst, Covered, Entry, Pack, Ran, Validated, last_position
 from wakeful.facts.values import Raw
 from wakeful.journal.compact import body as bodies
@@ -31,6 +31,9 @@ def placed(sayings: list[Any], at_ns: int = 10**18) -> list[Entry]:
     entries: list[Entry] = []
     for count, said in enumerate(sayings):
         position = last_position(entries[-1]) + 1 if entries else 1
+        if isinstance(said, Compacted):
+            said = msgspec.structs.replace(said, first=position, lines=count % 3 + 1)  # noqa: PLW2901
+            position += count % 3
         entries.append((Pack if isinstance(said, _BURSTS) else Line)(position, at_ns + count, said))
     return entries
 
