@@ -12,7 +12,7 @@ from statistics import fmean
 
 from wakeful.contracts.learner import Learner, Predictor
 from wakeful.experiments.exp3_learning import figures, run
-from wakeful.experiments.exp3_wakeful import Wakeful
+from wakeful.experiments.exp3_wakeful import EXPERTS, Wakeful
 from wakeful.experiments.worlds.service_drift import CLEAN, JITTER, NOISY, Variant, world
 from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
@@ -55,7 +55,7 @@ def joint(variant: Variant, expected: Expected, learner: Learner) -> float:
 
 def main() -> None:
     """Print a line per pair."""
-    learner = Once(Pooled())
+    learner = Once(Pooled(EXPERTS))
     for expected in PAIRS:
         parts = [f"{variant.name} {joint(variant, expected, learner):.2f}" for variant in (CLEAN, NOISY, JITTER)]
         sys.stdout.write(f"noise {expected.noise:g}, change {expected.change:g}: {', '.join(parts)}\n")

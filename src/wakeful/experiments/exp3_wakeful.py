@@ -28,7 +28,7 @@ from wakeful.facts.time import NS_PER_S, Stamp
 from wakeful.learning.belief import Expected
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
-from wakeful.learning.pooled import Pooled
+from wakeful.learning.pooled import Pooled, PooledSettings
 from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import SelectionSettings, Selector
 
@@ -38,6 +38,8 @@ GATE = SelectionSettings(thresholds="fixed", confidence=0.5, result_confidence=0
 
 PLAN = LearningSettings(held_back=0.0, every=64, growth=0.0, contradiction_counts=1)
 """A new model version after 64 validations, from all of them: what cannot wait is memory's. Nothing is held back of so few."""
+EXPERTS = PooledSettings(joined_from=0)
+"""All of the pooled learner's experts are heard from the start: the materials are validated, and none of them is held back."""
 _RELATIONS = {"none": Relation.NEW, "unchanged": Relation.UNCHANGED, "moved": Relation.MOVED}
 
 
@@ -87,7 +89,7 @@ class Wakeful:
 
     def __init__(self, world: DriftWorld, learner: Learner | None = None, expected: Expected | None = None) -> None:
         self._reasoner = DriftReasoner(world)
-        self._learner = learner or Pooled()
+        self._learner = learner or Pooled(EXPERTS)
         self._selector = Selector(spec(), TREATMENTS, self._learner, GATE)
         self.memory = Exemplars(self._selector.encode, TREATMENTS, OUTCOMES, expected=expected)
         plan = msgspec.structs.replace(PLAN, seed=world.seed)
