@@ -13,7 +13,7 @@ from wakeful.contracts.bridge import Item
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.simulated import SimulatedDriver
 from wakeful.drivers.source_clock import AGREEING, STEP_BACK_NS
-from wakeful.facts.events import Draft
+from wakeful.facts.events import Draft, Undecodable
 from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.experience import Verdict
 from wakeful.facts.lines import (
@@ -245,6 +245,13 @@ def test_an_event_beyond_any_clock_is_refused_and_moves_no_time() -> None:
     told = Told(source)
     assert len(told.all(Admitted)) == 2
     assert told.line(Admitted, 1).at_ns == ns(2.0)
+
+
+def test_a_second_recording_that_begins_with_what_cannot_be_read_goes_on_from_where_kernel_time_stands() -> None:
+    unread = Undecodable(source="world", position=0, reason="no JSON")
+    told = Told([event(0.0)], [unread, event(50.0, entity="again"), event(51.0, entity="and again")])
+    assert told.line(Admitted, 2).at_ns - told.line(Admitted, 1).at_ns == to_ns(1.0)
+    assert told.line(Admitted, 2).at_ns <= ns(60.0)
 
 
 def test_one_message_that_is_two_hours_late_sets_no_clock() -> None:

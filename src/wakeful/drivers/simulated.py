@@ -133,7 +133,9 @@ class SimulatedDriver:
                 position += 1
                 at_ns = source_time_ns(item)
                 if offset_ns is None:
-                    offset_ns = max(0, self.kernel.now_ns - at_ns) if at_ns is not None else self.kernel.now_ns
+                    # One without a time may be the first: the clock is that of the next which has one.
+                    first_ns = at_ns if at_ns is not None else next(iter(coming.next_times_ns()), None)
+                    offset_ns = 0 if first_ns is None else max(0, self.kernel.now_ns - first_ns)
                     self._feed([Begin(source=name, digest=digest, offset_ns=offset_ns)], self.kernel.now_ns)
                 if at_ns is not None:
                     if source_ns is not None:
