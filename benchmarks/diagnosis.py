@@ -5,7 +5,7 @@ Run: `./run python -m benchmarks.diagnosis ../shared/data [--json]` (scikit-lear
 - `uci_robot_execution_failures`: force/torque traces after a failure of a real assembly robot, five learning problems. A case is
   one trace as numbers (of each of six channels mean, spread, least, most, slope, last minus first). The order of the cases in the
   files goes by class, so "earlier" is a seeded shuffle's first half; 10 shuffles.
-- `skab`: a water-pump rig, one fault a file. A case is a minute of sensor values within the labelled anomaly, as its distance from
+- `skab`: a water-pump rig, one fault a file. A case is a minute of sensor values in the labelled anomaly, as its distance from
   the same file's quiet beginning in robust deviations. Earlier: the first half of each fault's files; later: the others. Faults
   with one file only are left out.
 
@@ -226,7 +226,8 @@ def main() -> None:
     for row in found:
         cells = [f"{100 * row[n]:5.1f} ({100 * row[f'{n}_low']:.1f}–{100 * row[f'{n}_high']:.1f})" for n in ("top1", "top3")]
         print(
-            f"{row['recording']:10} {row['method']:14} {row['faults']:>6} {row['earlier']:>7} {row['later']:>5}  {cells[0]:>20} {cells[1]:>20}"
+            f"{row['recording']:10} {row['method']:14} {row['faults']:>6} {row['earlier']:>7} {row['later']:>5}  "
+            f"{cells[0]:>20} {cells[1]:>20}"
         )
     out = next((row["left_out"] for row in found if row.get("left_out")), [])
     print(

@@ -240,7 +240,8 @@ def main() -> None:
         print(json.dumps(found, indent=2))
         return
     print(
-        f"{'stream':8} {'events':>6} {'method':24} {'right':>6} {'automatic':>9} {'wrong auto':>10} {'calls':>6} {'until revision':>14} {'CPU':>6}"
+        f"{'stream':8} {'events':>6} {'method':24} {'right':>6} {'automatic':>9} {'wrong auto':>10} {'calls':>6} "
+        f"{'until revision':>14} {'CPU':>6}"
     )
     for row in found:
         cells = [f"{100 * row[name]:.1f}" if name in row else "" for name in ("automatic", "wrong_and_automatic")]

@@ -35,8 +35,8 @@ from wakeful.facts.events import CRITICAL, Context, Draft, Event, Observation
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Begin, Input
 from wakeful.facts.lines import Admitted, Created, Line, Moved
-from wakeful.facts.packs import expanded
 from wakeful.facts.overload import UNLIMITED
+from wakeful.facts.packs import expanded
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings

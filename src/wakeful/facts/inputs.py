@@ -147,7 +147,7 @@ class Requests(msgspec.Struct, frozen=True, kw_only=True):
     wake_ns: int | None = None
     """When the kernel wants to be fed again, inputs or not; None: only when something comes."""
     left: int = 0
-    """So many of the inputs were not taken: something outside is to be done first, at the instant to which the kernel has come."""
+    """So many of the inputs were not taken: something outside is to be done first, at the instant that the kernel has come to."""
 
     def then(self, later: Requests) -> Requests:
         """These and the next feed's as one, to be committed together."""

@@ -121,7 +121,7 @@ class Learning:
         return tuple(self._made(list(self._rows.values())))
 
     def apply(self, record: AnyRecord, event: Event | None = None) -> None:
-        """Take up a record; all but Gained, Compacted, Imported, TrainingAsked, Published, Drifted and a rollback are passed over.
+        """Take up a record; all but Gained, Compacted, Imported, TrainingAsked, Published, Drifted and a rollback pass by.
 
         Args:
             record: the record, live or in recovery.

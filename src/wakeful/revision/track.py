@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from wakeful.facts.experience import Experience, Verdict
 
-
 _NONE = (0.0, 0.0)
 
 

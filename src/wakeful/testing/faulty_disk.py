@@ -139,7 +139,7 @@ class FaultyDisk(apsw.VFS):
         content = path.read_bytes()
         path.write_bytes(content[: max(0, len(content) - lost_bytes)])
 
-    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:
+    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:  # noqa: ARG002  # apsw's own signature
         """A fault where SQLite takes no error is not printed: it was asked for."""
         return True
 
@@ -199,7 +199,7 @@ class _File(apsw.VFSFile):
             disk.keep(self._name)
         super().__init__("", name, flags)
 
-    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:
+    def excepthook(self, etype: object, evalue: object, etraceback: object) -> bool:  # noqa: ARG002  # apsw's own signature
         """As the disk's own."""
         return True
 

@@ -107,7 +107,7 @@ class Ledger:
                 yield entry
 
     def sole(self, outcome: Outcome) -> Entry | None:
-        """The one entry that an outcome of its entity may judge, where that is plain to see; None where it is to be looked for."""
+        """The one entry that an outcome of its entity may judge, where that is plain to see; else None, and it is looked for."""
         if self._by_robot or outcome.event or outcome.entity == ANY or ANY in self._timeline:
             return None
         found = self._timeline.in_bucket(outcome.entity)
