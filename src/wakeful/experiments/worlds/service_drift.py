@@ -234,7 +234,12 @@ class _Drawing:
         number = int(random.integers(OBJECTS))
         case = Case(
             part="random",
-            **values,
+            category=values["category"],
+            location=values["location"],
+            state=values["state"],
+            history=values["history"],
+            route=values["route"],
+            context=values["context"],
             load=round(float(random.random()), 6),
             descriptor=tuple(self._objects[values["category"]][number].tolist()),
             entity=f"{values['category']}-{number:02d}",
