@@ -41,7 +41,8 @@ from wakeful.kernel import Kernel
 BATCH = 64
 FURTHER = 2_000
 DAY_S = 86_400.0
-SPACING_NS = 1_000_000
+#: So close that no window closes meanwhile: a forecast that nothing bears out is contradicted, and W is not about that.
+SPACING_NS = 10_000
 
 
 class Treated(Result, frozen=True, kw_only=True, tag="treated"):
@@ -102,7 +103,7 @@ class World:
         self.position = -1
 
     def inputs(self, count: int, waits: bool) -> list[Input]:
-        """So many further events, one a millisecond."""
+        """So many further events, one after the other."""
         found: list[Input] = []
         source = self._waiting if waits else self._others
         for _ in range(count):
