@@ -43,7 +43,7 @@ class Budget:
     >>> charge = budget.charge(0.006)
     >>> budget.settle(charge, 0.002)
     >>> budget.spent
-    Spent(calls=1, usd=0.002)
+    Spent(calls=1, usd=0.002, in_doubt=0)
     """
 
     def __init__(self, max_usd: float | None, max_calls: int | None, spent: Spent | None = None) -> None:
