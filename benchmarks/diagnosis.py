@@ -148,7 +148,7 @@ def by_model(model: object) -> Ranks:
 def by_share(earlier: Sequence[Case], later: Sequence[Case]) -> list[list[str]]:
     """The most frequent faults, whatever is seen."""
     names = [fault for _, fault in earlier]
-    ranked = sorted(set(names), key=lambda name: -names.count(name))
+    ranked = sorted(sorted(set(names)), key=lambda name: -names.count(name))
     return [ranked] * len(later)
 
 
