@@ -53,7 +53,7 @@ def test_the_floors_row_is_the_sum_of_its_faster_stages_and_the_assembled_progra
 def test_a_sample_belongs_to_the_closest_module_that_a_stage_claims() -> None:
     assert stage_of("wakeful.learning.predictor") == "select"
     assert stage_of("wakeful.learning.plan") == "learn"
-    assert stage_of("wakeful.journal.compact.row") == "journal"
+    assert stage_of("wakeful.journal.packed.row") == "journal"
     assert stage_of("numpy.linalg") == ""
 
 

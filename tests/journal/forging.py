@@ -9,9 +9,9 @@ import apsw
 
 from wakeful.facts.lines import Line
 from wakeful.journal import open_journal
-from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, VERSIONS, digest_of, rows_of
-from wakeful.journal.compact.words import Words
+from wakeful.journal.packed.body import BodyWriter
+from wakeful.journal.packed.row import ABOUT_COLUMNS, ROWS_COLUMNS, VERSIONS, digest_of, rows_of
+from wakeful.journal.packed.words import Words
 from wakeful.journal.schema import PRESENT
 
 

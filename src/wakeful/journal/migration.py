@@ -15,10 +15,10 @@ import msgspec
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import AnyRecord, Line
-from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import ABOUT_COLUMNS, ENTRIES_PER_ROW, ROWS_COLUMNS, Row, rows_of
-from wakeful.journal.compact.words import Words
 from wakeful.journal.opening import number, sync_directory, version_of, write_schema
+from wakeful.journal.packed.body import BodyWriter
+from wakeful.journal.packed.row import ABOUT_COLUMNS, ENTRIES_PER_ROW, ROWS_COLUMNS, Row, rows_of
+from wakeful.journal.packed.words import Words
 from wakeful.journal.reading import Reading
 from wakeful.journal.schema import BEFORE, VERSION
 

@@ -12,9 +12,9 @@ import apsw
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, expanded, last_position
-from wakeful.journal.compact.body import BROKEN, BodyReader
-from wakeful.journal.compact.row import VERSIONS, digest_of, event_key, kind_key, process_key
-from wakeful.journal.compact.words import Words
+from wakeful.journal.packed.body import BROKEN, BodyReader
+from wakeful.journal.packed.row import VERSIONS, digest_of, event_key, kind_key, process_key
+from wakeful.journal.packed.words import Words
 from wakeful.journal.readable import event_of, process_of, tag_of
 from wakeful.journal.schema import PRESENT
 

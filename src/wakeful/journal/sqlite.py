@@ -14,12 +14,12 @@ from wakeful.contracts.journal import JournalError, JournalStalled
 from wakeful.facts.crash_points import reach
 from wakeful.facts.lines import Line
 from wakeful.facts.packs import Entry, last_position
-from wakeful.journal.compact.body import BodyWriter
-from wakeful.journal.compact.row import ABOUT_COLUMNS, ROWS_COLUMNS, Row, rows_of
 from wakeful.journal.compaction.compactor import Compactor
 from wakeful.journal.lock import FileLock
 from wakeful.journal.migration import migrate
 from wakeful.journal.opening import boot_id, connect, number, prepare
+from wakeful.journal.packed.body import BodyWriter
+from wakeful.journal.packed.row import ABOUT_COLUMNS, ROWS_COLUMNS, Row, rows_of
 from wakeful.journal.reading import Reading
 from wakeful.journal.retention import Retention
 from wakeful.journal.schema import PRESENT

@@ -12,11 +12,11 @@ import numpy as np
 from wakeful.contracts.journal import JournalError
 from wakeful.facts.crash_points import reach
 from wakeful.facts.packs import Entry
-from wakeful.journal.compact.body import SQUEEZED, BodyWriter
-from wakeful.journal.compact.row import VERSIONS, Counts, Row, rows_of
 from wakeful.journal.compaction.ages import Ages
 from wakeful.journal.compaction.owed import Owed
 from wakeful.journal.compaction.sieve import Gap, Sieve, all_kept, sift
+from wakeful.journal.packed.body import SQUEEZED, BodyWriter
+from wakeful.journal.packed.row import VERSIONS, Counts, Row, rows_of
 from wakeful.journal.retention import Retention
 from wakeful.journal.schema import PRESENT
 

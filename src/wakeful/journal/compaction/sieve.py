@@ -30,7 +30,7 @@ from wakeful.facts.lines import (
     Witnessed,
 )
 from wakeful.facts.packs import Covered, Entry, Inquired, Pack, Ran, Validated, Woken, last_position
-from wakeful.journal.compact.row import Counts, count, count_burst, first_position, kind_key
+from wakeful.journal.packed.row import Counts, count, count_burst, first_position, kind_key
 from wakeful.journal.readable import event_of, process_of
 
 #: What is told of events and their processes, and may be given up with them. Every other kind of record is kept.

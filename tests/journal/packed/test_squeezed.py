@@ -6,9 +6,9 @@ import zlib
 
 import pytest
 
-from wakeful.journal.compact import body
-from wakeful.journal.compact.body import BROKEN, SQUEEZED, BodyReader
-from wakeful.journal.compact.words import Words
+from wakeful.journal.packed import body
+from wakeful.journal.packed.body import BROKEN, SQUEEZED, BodyReader
+from wakeful.journal.packed.words import Words
 
 
 @pytest.mark.parametrize("squeezed", [b"", b"no zlib", zlib.compress(b"x" * 100)[:-6], zlib.compress(bytes(10_000))])

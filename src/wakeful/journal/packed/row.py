@@ -12,7 +12,7 @@ import msgspec
 
 from wakeful.facts.lines import Admitted, AnyRecord, Compacted, Created, Duplicate, Gained, Line, Refused, Reopened, Witnessed
 from wakeful.facts.packs import AnyBurst, Covered, Entry, Inquired, Pack, Ran, Validated, Woken, last_position
-from wakeful.journal.compact.body import PLAIN, SQUEEZED, BodyWriter
+from wakeful.journal.packed.body import PLAIN, SQUEEZED, BodyWriter
 from wakeful.journal.readable import event_of, process_of
 
 #: So many entries stand in one row at most: whoever wants one of them reads them all.

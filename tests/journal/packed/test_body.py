@@ -12,15 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec import inspect
 
-from tests.journal.compact.facts import any_of
+from tests.journal.packed.facts import any_of
 from wakeful.facts.lines import AnyRecord, Compacted, Concluded, Created, Duplicate, Line, Noted
 from wakeful.facts.packs import AnyBurst, Covered, Entry, Pack, Ran, Validated, last_position
 from wakeful.facts.values import Raw
-from wakeful.journal.compact import body as bodies
-from wakeful.journal.compact.body import BROKEN, SQUEEZED, BodyReader, BodyWriter
-from wakeful.journal.compact.coders import Coders, UnknownField
-from wakeful.journal.compact.quick import quick_writers
-from wakeful.journal.compact.words import UnknownWord, Words
+from wakeful.journal.packed import body as bodies
+from wakeful.journal.packed.body import BROKEN, SQUEEZED, BodyReader, BodyWriter
+from wakeful.journal.packed.coders import Coders, UnknownField
+from wakeful.journal.packed.quick import quick_writers
+from wakeful.journal.packed.words import UnknownWord, Words
 
 _BURSTS, _RECORDS = get_args(AnyBurst), get_args(AnyRecord)
 

@@ -12,9 +12,9 @@ from msgspec import inspect
 
 from wakeful.facts.lines import AnyRecord, Compacted, Line
 from wakeful.facts.packs import AnyBurst, Entry, Pack, expanded
-from wakeful.journal.compact.coders import Coder, Coders, Turn, UnknownField, struct_type
-from wakeful.journal.compact.quick import quick_writers
-from wakeful.journal.compact.words import UnknownWord, Words
+from wakeful.journal.packed.coders import Coder, Coders, Turn, UnknownField, struct_type
+from wakeful.journal.packed.quick import quick_writers
+from wakeful.journal.packed.words import UnknownWord, Words
 
 #: How a body is written. ``PLAIN`` is msgpack; ``SQUEEZED`` is that through zlib, for rows that are seldom read.
 PLAIN, SQUEEZED = 0, 1

@@ -12,7 +12,7 @@ from msgspec import inspect
 
 from wakeful.facts.choices import Basis
 from wakeful.facts.values import NOTHING, Field, Raw
-from wakeful.journal.compact.words import BETWEEN, Words
+from wakeful.journal.packed.words import BETWEEN, Words
 
 #: Plain data: what msgpack can say.
 Plain: TypeAlias = "None | bool | int | float | str | bytes | list[Plain] | tuple[Plain, ...]"

@@ -13,7 +13,7 @@ from wakeful.facts.lines import Judged, Trusted
 from wakeful.facts.packs import Covered, Ran, Validated
 from wakeful.facts.time import Stamp
 from wakeful.facts.values import Field
-from wakeful.journal.compact.words import BETWEEN, Words
+from wakeful.journal.packed.words import BETWEEN, Words
 
 Turn = Callable[[Any], Any]
 
