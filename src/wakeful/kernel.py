@@ -245,19 +245,12 @@ class Kernel:
     # --- the cycle of Eq. 11 ---
 
     def _take(self, item: Input) -> None:
+        """All that comes seldom; what comes with each event, ``feed`` takes itself."""
         match item:
             case Observation():
                 self._encounter(item)
-            case Mark(source=source, position=position):
-                self._sources.states[source].cursor = position
-            case Instant(at_ns=at_ns):
-                self._go_on_to(at_ns)
-            case Draft():
-                self._encountered(item)
             case Evidence():
                 self._evidence(item)
-            case Outcome():
-                self._validate(item)
             case Answer():
                 self._scheduler.answer(item)
             case Trained():

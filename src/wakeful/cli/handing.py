@@ -6,7 +6,10 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import click
+
 from wakeful.cli.mistakes import Mistake
+from wakeful.cli.options import option
 from wakeful.drivers.at_rest import act_at_rest
 from wakeful.facts.inputs import Act
 from wakeful.facts.lines import Acted
@@ -16,6 +19,19 @@ from wakeful.journal.sqlite import open_journal
 from wakeful.journal.views import View
 
 _LOOK_EVERY_S = 0.1
+
+wait_option = option(
+    "--wait",
+    "wait_s",
+    type=click.FloatRange(min=0),
+    default=5.0,
+    show_default=True,
+    metavar="S",
+    help="Under a running mind: wait so many seconds for its record.",
+)
+who_option = option("--who", required=True, metavar="NAME", help="Who acts, for the record.")
+why_option = option("--why", required=True, metavar="TEXT", help="The reason, for the record.")
+
 THIS_COMMAND = "this command"
 
 

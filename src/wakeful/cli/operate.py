@@ -7,9 +7,9 @@ from uuid import uuid4
 
 import click
 
-from wakeful.cli.handing import THIS_COMMAND, hand
+from wakeful.cli.handing import THIS_COMMAND, hand, wait_option, who_option, why_option
 from wakeful.cli.mistakes import Mistake
-from wakeful.cli.options import F, journal_option, json_option, named_journal, option, print_json
+from wakeful.cli.options import F, journal_option, json_option, named_journal, print_json
 from wakeful.cli.terminal import say
 from wakeful.facts.inputs import Act
 from wakeful.journal.sqlite import open_journal
@@ -41,18 +41,10 @@ def _operating(command: F) -> F:
     """The argument and the options that the three commands share."""
     for decorate in (
         json_option,
-        option(
-            "--wait",
-            "wait_s",
-            type=click.FloatRange(min=0),
-            default=5.0,
-            show_default=True,
-            metavar="S",
-            help="Under a running mind: wait so many seconds for its record.",
-        ),
+        wait_option,
         journal_option,
-        option("--why", required=True, metavar="TEXT", help="The reason, for the record."),
-        option("--who", required=True, metavar="NAME", help="Who acts, for the record."),
+        why_option,
+        who_option,
         click.argument("process", type=Process()),
     ):
         command = decorate(command)

@@ -7,7 +7,7 @@ from uuid import uuid4
 
 import click
 
-from wakeful.cli.handing import THIS_COMMAND, Operated, hand
+from wakeful.cli.handing import THIS_COMMAND, Operated, hand, wait_option
 from wakeful.cli.mistakes import Mistake
 from wakeful.cli.options import journal_option, json_option, named_journal, option, print_json, reading
 from wakeful.cli.terminal import heading, paragraph, say, table
@@ -36,15 +36,7 @@ class Reconsidered(View, frozen=True):
 @option("--who", default="", metavar="NAME", help="With --reopen: who acts, for the record.")
 @option("--why", default="", metavar="TEXT", help="With --reopen: the reason, for the record.")
 @option("--limit", type=click.IntRange(min=0), default=50, show_default=True, help="The first so many; 0: all.")
-@option(
-    "--wait",
-    "wait_s",
-    type=click.FloatRange(min=0),
-    default=5.0,
-    show_default=True,
-    metavar="S",
-    help="With --reopen, under a running mind: wait so many seconds for its records.",
-)
+@wait_option
 @json_option
 def revisit_command(
     knowledge: str,

@@ -7,9 +7,9 @@ from uuid import uuid4
 
 import click
 
-from wakeful.cli.handing import THIS_COMMAND, hand
+from wakeful.cli.handing import THIS_COMMAND, hand, wait_option, who_option, why_option
 from wakeful.cli.mistakes import Mistake
-from wakeful.cli.options import journal_option, json_option, named_journal, option, print_json, reading
+from wakeful.cli.options import journal_option, json_option, named_journal, print_json, reading
 from wakeful.cli.terminal import say
 from wakeful.facts.inputs import Act
 from wakeful.journal.views import history
@@ -18,18 +18,10 @@ from wakeful.journal.wording.words import duration
 
 @click.command("rollback")
 @click.argument("version", type=click.IntRange(min=1))
-@option("--who", required=True, metavar="NAME", help="Who acts, for the record.")
-@option("--why", required=True, metavar="TEXT", help="The reason, for the record.")
+@who_option
+@why_option
 @journal_option
-@option(
-    "--wait",
-    "wait_s",
-    type=click.FloatRange(min=0),
-    default=5.0,
-    show_default=True,
-    metavar="S",
-    help="Under a running mind: wait so many seconds for its record.",
-)
+@wait_option
 @json_option
 def rollback_command(version: int, who: str, why: str, journal: Path | None, wait_s: float, as_json: bool) -> None:
     """Decide with model VERSION from now on; what is learned next goes on from it. A training that is under way is dropped.

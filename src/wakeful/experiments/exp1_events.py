@@ -10,19 +10,8 @@ import numpy.typing as npt
 
 from wakeful.contracts.learner import Vector
 from wakeful.domains import load
-from wakeful.experiments.worlds.service_events import (
-    CATEGORIES,
-    CONTEXTS,
-    DESCRIPTOR,
-    HISTORIES,
-    LOCATIONS,
-    ROUTES,
-    STATES,
-    TREATMENTS,
-    Case,
-    Split,
-    World,
-)
+from wakeful.domains.service_robot.world import CATEGORIES, CONTEXTS, HISTORIES, LOCATIONS, ROUTES, STATES
+from wakeful.experiments.worlds.service_events import DESCRIPTOR, TREATMENTS, Case, Split, World
 from wakeful.facts.domain import DomainSpec, FieldSpec
 from wakeful.facts.events import Context, Event, Relation, event_id
 from wakeful.facts.time import NS_PER_S, Stamp

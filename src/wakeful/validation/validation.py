@@ -212,28 +212,8 @@ class Validation:
     def ran(self, burst: Ran, event: Event, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
         """A process has concluded, as ``apply`` would be told. ``cell``: where its event lies in experience, if that is known."""
         if burst.closes_ns is not None and forecast is not None:
-            forgotten_ns = self._witnesses.forgotten_ns
             since_ns = self._events.ran(burst.process, event.id)
-            self._made += 1
-            self._ledger.open(
-                Entry(
-                    process=burst.process,
-                    event=event.id,
-                    treatment=burst.treatment,
-                    mode=burst.mode,
-                    label=forecast.label,
-                    topic=forecast.topic or self._spec.topic,
-                    entity=forecast.entity or event.entity,
-                    robot=event.robot,
-                    source=event.source,
-                    since_ns=since_ns,
-                    until_ns=since_ns + self._within_ns,
-                    closes_ns=burst.closes_ns,
-                    concluded_ns=at_ns,
-                    heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
-                    cell=cell,
-                )
-            )
+            self._await(burst, burst.closes_ns, event, forecast, since_ns, at_ns, cell)
         else:
             self._events.completed(burst.process)
 
@@ -310,15 +290,27 @@ class Validation:
         event = self._events.get(record.event)
         if record.closes_ns is None or forecast is None or event is None or self._ledger.get(record.process) is not None:
             return
+        self._await(record, record.closes_ns, event, forecast, self._events.since_ns(event.id), at_ns)
+
+    def _await(
+        self,
+        made: Concluded | Ran,
+        closes_ns: int,
+        event: Event,
+        forecast: Forecast,
+        since_ns: int,
+        at_ns: int,
+        cell: int = -1,
+    ) -> None:
+        """A forecast waits for its outcome from now on."""
         forgotten_ns = self._witnesses.forgotten_ns
-        since_ns = self._events.since_ns(event.id)
         self._made += 1
         self._ledger.open(
             Entry(
-                process=record.process,
-                event=record.event,
-                treatment=record.treatment,
-                mode=record.mode,
+                process=made.process,
+                event=event.id,
+                treatment=made.treatment,
+                mode=made.mode,
                 label=forecast.label,
                 topic=forecast.topic or self._spec.topic,
                 entity=forecast.entity or event.entity,
@@ -326,9 +318,10 @@ class Validation:
                 source=event.source,
                 since_ns=since_ns,
                 until_ns=since_ns + self._within_ns,
-                closes_ns=record.closes_ns,
+                closes_ns=closes_ns,
                 concluded_ns=at_ns,
                 heard_all=forgotten_ns is None or forgotten_ns < event.stamp.received_ns,
+                cell=cell,
             )
         )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from wakeful.domains.service_robot.world import right_treatment
 from wakeful.experiments.worlds.service_drift import (
     CLEAN,
     FIELDS,
@@ -18,7 +19,7 @@ from wakeful.experiments.worlds.service_drift import (
     features,
     world,
 )
-from wakeful.experiments.worlds.service_events import TREATMENTS, right_treatment
+from wakeful.experiments.worlds.service_events import TREATMENTS
 
 each_variant = pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
 

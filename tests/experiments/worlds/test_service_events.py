@@ -5,19 +5,9 @@ from __future__ import annotations
 import msgspec
 import pytest
 
+from wakeful.domains.service_robot.world import CATEGORIES, right_treatment
 from wakeful.experiments.exp1_treatment import SEEDS
-from wakeful.experiments.worlds.service_events import (
-    BOUNDARY,
-    CATEGORIES,
-    VARIANTS,
-    A,
-    B,
-    C,
-    Case,
-    Variant,
-    right_treatment,
-    world,
-)
+from wakeful.experiments.worlds.service_events import BOUNDARY, VARIANTS, A, B, C, Case, Variant, world
 
 EVERY = [pytest.param(variant, seed, id=f"{variant.name}-{seed}") for variant in VARIANTS for seed in (*SEEDS, 1000, 1001)]
 

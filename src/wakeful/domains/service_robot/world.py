@@ -7,6 +7,7 @@ labelling rule and outcomes are those of the paper's Experiments 1 and 3 (Sectio
 from __future__ import annotations
 
 from random import Random
+from typing import Protocol
 
 import msgspec
 
@@ -71,9 +72,31 @@ def draw(random: Random, shares: dict[str, float]) -> str:
     return random.choices(list(shares), list(shares.values()))[0]
 
 
-def right_treatment(met: Encounter) -> str:
-    """The treatment that fits: the first active cue in the order of the context (Experiment 1's labelling rule)."""
-    heavy = met.load > HEAVY
+class Met(Protocol):
+    """What the labelling rule looks at."""
+
+    @property
+    def category(self) -> str: ...
+    @property
+    def location(self) -> str: ...
+    @property
+    def state(self) -> str: ...
+    @property
+    def history(self) -> str: ...
+    @property
+    def route(self) -> str: ...
+    @property
+    def load(self) -> float: ...
+    @property
+    def context(self) -> str: ...
+
+
+def right_treatment(met: Met, boundary: float = HEAVY) -> str:
+    """The treatment that fits: the first active cue in the order of the context (Experiment 1's labelling rule).
+
+    ``boundary``: the load above which the object counts as heavy.
+    """
+    heavy = met.load > boundary
     cues = {
         "risk_prediction": met.state == "unstable" and (met.location == "edge" or (met.context == "safety" and heavy)),
         "planning": met.context != "none"

@@ -13,19 +13,8 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
-from wakeful.experiments.worlds.service_events import (
-    CATEGORIES,
-    CONTEXTS,
-    DESCRIPTOR,
-    HISTORIES,
-    LOCATIONS,
-    ROUTES,
-    STATES,
-    TREATMENTS,
-    A,
-    Case,
-    right_treatment,
-)
+from wakeful.domains.service_robot.world import CATEGORIES, CONTEXTS, HISTORIES, LOCATIONS, ROUTES, STATES, right_treatment
+from wakeful.experiments.worlds.service_events import DESCRIPTOR, TREATMENTS, A, Case
 from wakeful.facts.values import Fact
 
 OUTCOMES = ("uneventful", "intervention")

@@ -13,20 +13,22 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from wakeful.domains.service_robot.world import (
+    CATEGORIES,
+    CONTEXTS,
+    HEAVY,
+    HISTORIES,
+    LOCATIONS,
+    ROUTES,
+    STATES,
+    right_treatment,
+)
 from wakeful.facts.values import Fact
 
 TREATMENTS = ("description", "memory", "risk_prediction", "planning", "diagnosis", "analogy")
 """The paper's six, in the order of the network's outputs."""
 
-CATEGORIES = {"item": 0.38, "obstacle": 0.26, "device": 0.24, "unknown": 0.12}
-LOCATIONS = {"center": 0.25, "edge": 0.35, "route": 0.20, "storage": 0.20}
-STATES = {"normal": 0.32, "unstable": 0.38, "abnormal": 0.30}
-HISTORIES = {"unchanged": 0.42, "moved": 0.26, "none": 0.32}
-ROUTES = {"none": 0.32, "outside": 0.32, "blocking": 0.36}
-CONTEXTS = {"none": 0.44, "task": 0.28, "safety": 0.28}
-"""Each field's values with their probabilities in random events."""
-
-BOUNDARY = 0.6
+BOUNDARY = HEAVY
 """Above this load an unstable object is a risk in a safety context, and one beside the route matters to a task."""
 DESCRIPTOR = 8
 OBJECTS = {"training": 60, "calibration": 12, "test": 24}
@@ -98,26 +100,6 @@ class World(Fact, frozen=True):
     test: tuple[Case, ...]
 
 
-def right_treatment(case: Case, boundary: float = BOUNDARY) -> str:
-    """The labelling rule, for an object whose load boundary lies at ``boundary``."""
-    heavy = case.load > boundary
-    unstable, in_context = case.state == "unstable", case.context != "none"
-    beside = case.context == "task" and case.route == "outside" and heavy
-    cues = {
-        "risk_prediction": unstable and (case.location == "edge" or (case.context == "safety" and heavy)),
-        "planning": in_context and (case.route == "blocking" or beside),
-        "diagnosis": case.category == "device" and case.state == "abnormal",
-        "analogy": case.category == "unknown" and case.history == "none",
-        "memory": case.history == "moved",
-    }
-    return next((name for name in _ORDER[case.context] if cues[name]), "description")
-
-
-_ORDER = {
-    "none": ("risk_prediction", "diagnosis", "analogy", "memory"),
-    "task": ("planning", "risk_prediction", "diagnosis", "analogy", "memory"),
-    "safety": ("risk_prediction", "diagnosis", "planning", "analogy", "memory"),
-}
 _PAIRS = {"training": 1, "calibration": 2, "test": 4}
 """Pairs of each kind."""
 _HARD_OF = 4
