@@ -8,7 +8,6 @@ record, so recovery is the same code over the journal's lines.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Iterable, Mapping
 
 import msgspec
@@ -31,23 +30,21 @@ from wakeful.facts.lines import (
     Acted,
     Admitted,
     AnyRecord,
-    Compacted,
     Concluded,
-    Duplicate,
     Gained,
     Judged,
     Line,
     Noted,
     Published,
-    Refused,
     Reopened,
     TrainingAsked,
     Witnessed,
 )
-from wakeful.facts.packs import AnyBurst, Covered, Entry, Inquired, Pack, Ran, Validated, Woken
+from wakeful.facts.packs import AnyBurst, Entry, Pack, Ran, Validated
 from wakeful.facts.results import Forecast, Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import LARGEST_NS, Stamp, to_ns, to_s
+from wakeful.folding import Folding
 from wakeful.learning.cells import Cells
 from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
@@ -101,10 +98,8 @@ class Kernel:
         """Steps and limits done since it was made: by which a live driver measures how long a step takes."""
         self._calm_ns = 0
         self._stops = False
-        self._concluding: Forecast | None = None
         self._position = 0
         self._sources = Sources(domain, settings.seed)
-        self._events: OrderedDict[str, Event] = OrderedDict()
         self._admission = Admission()
         self._overload = Overload(settings.overload)
         self._guarantee = guarantee_of(settings)
@@ -126,6 +121,20 @@ class Kernel:
         self._foreseen: dict[int, Seen] = {}
         self._debts = Debts(settings.repay_after_s, settings.repay_every_s)
         self._revision = Revision(spec)
+        self._folding = Folding(
+            settings.keep_events,
+            admission=self._admission,
+            processes=self._scheduler.processes,
+            validation=self._validation,
+            learning=self._learning,
+            exemplars=self._exemplars,
+            cells=self._cells,
+            episodes=self._episodes,
+            counsel=self._counsel,
+            guarantee=self._guarantee,
+            revision=self._revision,
+            debts=self._debts,
+        )
         self._entries: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
         self._calls: list[Call] = []
@@ -419,7 +428,7 @@ class Kernel:
             self._judge(self._validation.match(outcome, self._now_ns))
             return
         judged, experience = sole
-        self._validated(outcome, judged, experience)
+        self._folding.validated(outcome, judged, experience, self._now_ns)
         trusted, *more = self._revision.weigh(experience) or (None,)
         if trusted is not None:
             self._revision.apply(trusted, self._now_ns)
@@ -457,7 +466,7 @@ class Kernel:
         for drifted in self._revision.drifted(experience.treatment):
             self.write(drifted)
         for stale in self._revision.reopen(experience, limit=self.settings.reopen_limit):
-            event = self._events.get(stale.event)
+            event = self._folding.events.get(stale.event)
             if event is None:
                 continue
             process = self._scheduler.processes.next_id
@@ -469,7 +478,7 @@ class Kernel:
         debt = self._debts.due(self._now_ns)
         if debt is None:
             return
-        event = self._events.get(debt.event)
+        event = self._folding.events.get(debt.event)
         if event is None:
             self._debts.forget(debt.event)
             return
@@ -479,13 +488,13 @@ class Kernel:
 
     def closed_to(self, act: Act) -> str:
         """Why a completed process cannot be reopened; empty where it can."""
-        return "" if act.event in self._events else f"event {act.event or 'of that process'} is no longer in memory"
+        return "" if act.event in self._folding.events else f"event {act.event or 'of that process'} is no longer in memory"
 
     def reopen(self, act: Act) -> None:
         """Think about a completed process's event again, because a person wants it: in a new process linked to the old."""
         because = f"{act.who}: {act.why}"
         self.write(Reopened(process=self._scheduler.processes.next_id, reopens=act.process, event=act.event, because=because))
-        self._start(self._events[act.event], reopens=act.process, why=because)
+        self._start(self._folding.events[act.event], reopens=act.process, why=because)
 
     def _learn(self) -> None:
         """Learn: ask for a training where enough was gained (Eq. 8); it runs off the kernel's thread."""
@@ -551,9 +560,9 @@ class Kernel:
 
     def resolved(self, burst: Ran, forecast: Forecast | None) -> None:
         """Record that a process ran to its end, and what came of it; ``forecast`` is the result's own."""
-        self._concluding = forecast
-        self.pack(burst)
-        self._concluding = None
+        self.pack(burst, forecast)
+        if burst.closes_ns is not None:
+            self.stir(burst.closes_ns)
         self.concluded(burst.process)
 
     def _until(self, now_ns: int) -> None:
@@ -599,95 +608,17 @@ class Kernel:
         self._position += 1
         self._entries.append(Line(self._position, self._now_ns, record))
         self._calm_ns = 0  # what a record of any kind lets fall due is looked for
-        self._apply(record)
+        self._folding.apply(record, self._now_ns)
 
-    def pack(self, burst: AnyBurst) -> None:
+    def pack(self, burst: AnyBurst, forecast: Forecast | None = None) -> None:
         """The same for what an automatic event writes in one go: one entry for several records."""
         self._entries.append(Pack(self._position + 1, self._now_ns, burst))
         self._position += burst.count
-        self._apply_burst(burst)
-
-    def _apply(self, record: AnyRecord) -> None:
-        now_ns = self._now_ns
-        if isinstance(record, Admitted):
-            self._remember(record.event)
-        if isinstance(record, Admitted | Duplicate | Refused | Compacted):
-            self._admission.apply(record)
-        self._scheduler.processes.apply(record, now_ns)
-        self._validation.apply(record, now_ns)
-        self._learn_from(record)
-        self._episodes.apply(record)
-        self._counsel.apply(record)
-        if self._guarantee is not None:
-            self._guarantee.apply(record)
-        self._revision.apply(record, now_ns)
-        self._debts.apply(record, now_ns)
-
-    def _apply_burst(self, burst: AnyBurst) -> None:
-        """What its records do, each in the rooms that it concerns: the same state in the end, at a fraction of the cost."""
-        now_ns = self._now_ns
-        match burst:
-            case Covered(event=event):
-                self._remember(event)
-                self._admission.covered(event.id)
-                self._scheduler.processes.covered(burst, now_ns)
-                self._validation.covered(event, burst.process)
-                self._episodes.admit(event)
-                self._exemplars.covered(burst.process, burst.choice)
-                self._revision.covered(burst)
-            case Inquired():
-                self._scheduler.processes.inquired(burst, now_ns)
-            case Woken():
-                self._scheduler.processes.woken(burst, now_ns)
-            case Ran():
-                process = self._scheduler.processes.ran(burst, now_ns)
-                forecast = burst.forecast if self._concluding is None else self._concluding
-                cell = process.choice.cell if process.choice is not None else -1
-                self._validation.ran(burst, process.event, forecast, now_ns, cell)
-                if burst.closes_ns is not None and burst.closes_ns < self._calm_ns:
-                    self._calm_ns = burst.closes_ns
-                self._episodes.ran(burst, forecast)
-                self._revision.ran(burst, forecast.label if forecast is not None else "")
-            case Validated():
-                self._validated(burst.outcome, burst.judged, burst.experience)
-                if burst.trusted is not None:
-                    self._revision.apply(burst.trusted, now_ns)
-        if self._guarantee is not None:
-            for record in burst.records():
-                self._guarantee.apply(record)
-
-    def _remember(self, event: Event) -> None:
-        self._events[event.id] = event
-        if len(self._events) > self.settings.keep_events:
-            self._events.popitem(last=False)
-
-    def _validated(self, outcome: Outcome, judged: Judged, experience: Experience) -> None:
-        """Apply a verdict with its outcome and its experience."""
-        entry = self._validation.forecast(judged.process)
-        self._validation.validated(outcome, judged, experience, self._now_ns)
-        self._gain(experience, entry.cell if entry is not None else -1)
-        self._episodes.validated(judged, experience)
-        if self._counsel.judged(judged.process):
-            self._counsel.apply(judged)
-        self._revision.validated(experience, self._now_ns)
-
-    def _gain(self, experience: Experience, cell: int) -> None:
-        event = self._events.get(experience.event)
-        if event is not None:
-            self._learning.gain(experience, event)
-            self._exemplars.gain(experience, event)
-            self._cells.gain(experience.id, event, cell)
-
-    def _learn_from(self, record: AnyRecord) -> None:
-        if isinstance(record, Gained):
-            self._gain(record.experience, -1)
-        else:
-            self._learning.apply(record)
-            self._exemplars.apply(record)
+        self._folding.apply_burst(burst, self._now_ns, forecast)
 
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""
-        return self._events[identity]
+        return self._folding.events[identity]
 
     def call(self, call: Call) -> None:
         """Have the driver make a call outside, once the lines are durable."""
@@ -747,11 +678,11 @@ class Kernel:
             self._now_ns = entry.at_ns
             if isinstance(entry, Pack):
                 self._position = entry.last
-                self._apply_burst(entry.burst)
+                self._folding.apply_burst(entry.burst, self._now_ns)
                 continue
             line = entry
             self._position = line.position
-            self._apply(line.record)
+            self._folding.apply(line.record, self._now_ns)
             if isinstance(line.record, Published):
                 asked = None
                 if line.record.card.accepted:

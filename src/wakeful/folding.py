@@ -1,0 +1,136 @@
+"""The kernel's fold: which rooms take up what of a record, one by one or packed. Live and in recovery it is the same."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+
+from wakeful.admission import Admission
+from wakeful.facts.events import Event
+from wakeful.facts.evidence import Outcome
+from wakeful.facts.experience import Experience
+from wakeful.facts.lines import Admitted, AnyRecord, Compacted, Duplicate, Gained, Judged, Refused
+from wakeful.facts.packs import AnyBurst, Covered, Inquired, Ran, Validated, Woken
+from wakeful.facts.results import Forecast
+from wakeful.learning.cells import Cells
+from wakeful.learning.counsel import Counsel
+from wakeful.learning.episodes import Episodes
+from wakeful.learning.exemplars import Exemplars
+from wakeful.learning.plan import Learning
+from wakeful.revision import Debts, Revision
+from wakeful.scheduling.process_set import ProcessSet
+from wakeful.selection.guarantee import Guarantee
+from wakeful.validation import Validation
+
+
+class Folding:
+    """The rooms whose state is the fold of the journal's entries, in the order in which they take a record up.
+
+    Args:
+        keep_events: so many admitted events stay in memory, for late outcomes and reopening.
+        admission, processes, validation, learning, exemplars, cells, episodes, counsel, guarantee, revision, debts: the rooms.
+    """
+
+    def __init__(
+        self,
+        keep_events: int,
+        *,
+        admission: Admission,
+        processes: ProcessSet,
+        validation: Validation,
+        learning: Learning,
+        exemplars: Exemplars,
+        cells: Cells,
+        episodes: Episodes,
+        counsel: Counsel,
+        guarantee: Guarantee | None,
+        revision: Revision,
+        debts: Debts,
+    ) -> None:
+        self.events: OrderedDict[str, Event] = OrderedDict()
+        self._keep_events = keep_events
+        self._admission = admission
+        self._processes = processes
+        self._validation = validation
+        self._learning = learning
+        self._exemplars = exemplars
+        self._cells = cells
+        self._episodes = episodes
+        self._counsel = counsel
+        self._guarantee = guarantee
+        self._revision = revision
+        self._debts = debts
+
+    def apply(self, record: AnyRecord, now_ns: int) -> None:
+        """Take up one record."""
+        if isinstance(record, Admitted):
+            self._remember(record.event)
+        if isinstance(record, Admitted | Duplicate | Refused | Compacted):
+            self._admission.apply(record)
+        self._processes.apply(record, now_ns)
+        self._validation.apply(record, now_ns)
+        if isinstance(record, Gained):
+            self._gain(record.experience, -1)
+        else:
+            self._learning.apply(record)
+            self._exemplars.apply(record)
+        self._episodes.apply(record)
+        self._counsel.apply(record)
+        if self._guarantee is not None:
+            self._guarantee.apply(record)
+        self._revision.apply(record, now_ns)
+        self._debts.apply(record, now_ns)
+
+    def apply_burst(self, burst: AnyBurst, now_ns: int, forecast: Forecast | None = None) -> None:
+        """What its records do, each in the rooms that it concerns: the same state in the end, at a fraction of the cost.
+
+        ``forecast``: of a run, the result's own, where it is at hand whole.
+        """
+        match burst:
+            case Covered(event=event):
+                self._remember(event)
+                self._admission.covered(event.id)
+                self._processes.covered(burst, now_ns)
+                self._validation.covered(event, burst.process)
+                self._episodes.admit(event)
+                self._exemplars.covered(burst.process, burst.choice)
+                self._revision.covered(burst)
+            case Inquired():
+                self._processes.inquired(burst, now_ns)
+            case Woken():
+                self._processes.woken(burst, now_ns)
+            case Ran():
+                process = self._processes.ran(burst, now_ns)
+                foretold = burst.forecast if forecast is None else forecast
+                cell = process.choice.cell if process.choice is not None else -1
+                self._validation.ran(burst, process.event, foretold, now_ns, cell)
+                self._episodes.ran(burst, foretold)
+                self._revision.ran(burst, foretold.label if foretold is not None else "")
+            case Validated():
+                self.validated(burst.outcome, burst.judged, burst.experience, now_ns)
+                if burst.trusted is not None:
+                    self._revision.apply(burst.trusted, now_ns)
+        if self._guarantee is not None:
+            for record in burst.records():
+                self._guarantee.apply(record)
+
+    def validated(self, outcome: Outcome, judged: Judged, experience: Experience, now_ns: int) -> None:
+        """Take up a verdict with its outcome and its experience."""
+        entry = self._validation.forecast(judged.process)
+        self._validation.validated(outcome, judged, experience, now_ns)
+        self._gain(experience, entry.cell if entry is not None else -1)
+        self._episodes.validated(judged, experience)
+        if self._counsel.judged(judged.process):
+            self._counsel.apply(judged)
+        self._revision.validated(experience, now_ns)
+
+    def _remember(self, event: Event) -> None:
+        self.events[event.id] = event
+        if len(self.events) > self._keep_events:
+            self.events.popitem(last=False)
+
+    def _gain(self, experience: Experience, cell: int) -> None:
+        event = self.events.get(experience.event)
+        if event is not None:
+            self._learning.gain(experience, event)
+            self._exemplars.gain(experience, event)
+            self._cells.gain(experience.id, event, cell)
