@@ -24,11 +24,15 @@ SERVICES = ("pypi", "osv")
 
 
 class Weakness(msgspec.Struct):
+    """One known weakness, as pip-audit tells it."""
+
     id: str
     fix_versions: list[str] = []
 
 
 class Dependency(msgspec.Struct):
+    """One package with what is known against it."""
+
     name: str
     version: str = ""
     skip_reason: str = ""
@@ -36,6 +40,8 @@ class Dependency(msgspec.Struct):
 
 
 class Report(msgspec.Struct):
+    """pip-audit's whole report."""
+
     dependencies: list[Dependency]
 
 

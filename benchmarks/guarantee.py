@@ -31,6 +31,7 @@ RATES = (0.05, 0.2, 0.5, 1.0)
 
 
 def main() -> None:
+    """Print the tables; draw the picture where one is wanted."""
     parse = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parse.add_argument("--deployments", type=int, default=1000)
     parse.add_argument("--events", type=int, default=4000)

@@ -100,6 +100,7 @@ def _groups(events: int, with_outcomes: bool) -> list[list[Entry]]:
 
 
 def main() -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--events", type=int, default=10_000)
     parser.add_argument("--json", action="store_true")

@@ -108,6 +108,7 @@ def novelties(familiar: Floats, asked: Floats, seed: int) -> Floats:
 
 
 def main() -> None:
+    """Print the table."""
     parse = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parse.add_argument("--splits", type=int, default=20)
     splits = parse.parse_args().splits

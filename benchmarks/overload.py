@@ -63,6 +63,7 @@ class Answering:
         self._waits = waits
 
     async def answer(self, question: Question) -> Reply:  # noqa: ARG002
+        """Always the same, after its latency."""
         if self._waits:
             await asyncio.sleep(self.latency_s)
         return Reply(choice="attend", confidence=0.9, because=("asked",), reasoner=self.name)
@@ -77,10 +78,11 @@ class OneTreatment:
         self.spec: DomainSpec = msgspec.structs.replace(domain.spec, treatments=("attend",), guideline=(rule,))
 
     def detectors(self) -> object:
+        """The domain's own."""
         return self._domain.detectors()
 
-    def simulate(self, seed: int) -> None:  # noqa: ARG002
-        return None
+    def simulate(self, seed: int) -> None:
+        """Nothing: the events are made here."""
 
 
 def registry(rounds: int) -> Registry:
@@ -99,6 +101,7 @@ def registry(rounds: int) -> Registry:
 
 
 def draft(index: int, at_ns: int) -> Draft:
+    """One event; one in so many is critical."""
     critical = index % ONE_IN == 0
     return Draft(
         kind="alarm",
@@ -111,10 +114,12 @@ def draft(index: int, at_ns: int) -> Draft:
 
 
 def peak_mb() -> float:
+    """This process's largest memory so far."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def quantile(values: list[float], share: float) -> float:
+    """The value below which that share lies."""
     ranked = sorted(values)
     return ranked[min(len(ranked) - 1, int(share * len(ranked)))] if ranked else 0.0
 

@@ -261,6 +261,7 @@ def _interval(part: int, whole: int) -> str:
 
 
 def main() -> None:
+    """Print the tables."""
     parse = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parse.add_argument("--shuffles", type=int, default=5, help="orders of the stream that has none of its own")
     parse.add_argument("--stream", choices=["robot_failures", "disengagements", "outdoor"])

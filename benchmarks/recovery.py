@@ -80,6 +80,7 @@ def rows(sizes: list[int], open_one_in: int) -> Iterator[Recovered]:
 
 
 def main() -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--events", type=int, nargs="+", default=[5_000, 10_000, 20_000])
     parser.add_argument("--open-one-in", type=int, default=100)

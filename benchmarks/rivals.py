@@ -22,6 +22,7 @@ class Rival(Protocol):
     def fit(self, x: Floats, y: Ints, classes: int, seed: int) -> None: ...
 
     def probabilities(self, x: Floats) -> Floats:
+        """As every Rival."""
         """(n, classes)."""
 
 
@@ -39,6 +40,7 @@ class NearestNeighbour:
         self._x, self._y, self._classes = (x - self._mean) / self._scale, y, classes
 
     def probabilities(self, x: Floats) -> Floats:
+        """As every Rival."""
         found = np.zeros((len(x), self._classes))
         squares = (self._x**2).sum(axis=1)
         for begin in range(0, len(x), 256):
@@ -58,6 +60,7 @@ class Fitted:
         self.name, self._kind = name, kind
 
     def fit(self, x: Floats, y: Ints, classes: int, seed: int) -> None:
+        """As every Rival."""
         from sklearn.ensemble import HistGradientBoostingClassifier  # noqa: PLC0415
         from sklearn.linear_model import LogisticRegression  # noqa: PLC0415
         from sklearn.pipeline import make_pipeline  # noqa: PLC0415
@@ -69,6 +72,7 @@ class Fitted:
         self._classes = classes
 
     def probabilities(self, x: Floats) -> Floats:
+        """As every Rival."""
         found = np.zeros((len(x), self._classes))
         found[:, self._model.classes_] = self._model.predict_proba(x)
         return found

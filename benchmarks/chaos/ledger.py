@@ -95,6 +95,7 @@ class Known:
         self.snapshot = journal.snapshot
 
     def lines(self, after: int = 0) -> Iterator[Line]:
+        """As the journal."""
         return iter(self._known[after:])
 
 
@@ -116,9 +117,11 @@ class Witness:
 
     @property
     def last(self) -> int:
+        """As the journal."""
         return self.inner.last
 
     def commit(self, entries: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        """As the journal, watched."""
         self._commits += 1
         if self._commits == self._failing:
             raise JournalError("the plan lets this commit fail; nothing of it was kept")
@@ -128,18 +131,23 @@ class Witness:
         self._ledger.acknowledge()
 
     def entries(self, after: int = 0) -> Iterator[Entry]:
+        """As the journal."""
         return self.inner.entries(after)
 
     def lines(self, after: int = 0) -> Iterator[Line]:
+        """As the journal."""
         return self.inner.lines(after)
 
     def state(self) -> dict[str, bytes]:
+        """As the journal."""
         return self.inner.state()
 
     def blob(self, name: str) -> bytes:
+        """As the journal."""
         return self.inner.blob(name)
 
     def close(self) -> None:
+        """As the journal."""
         self.inner.close()
 
     def tidy(self, least_events: int = 0) -> bool:  # noqa: ARG002

@@ -41,9 +41,11 @@ class _Writer:
         self.told = 0
 
     def place(self, at_s: float, item: Item) -> None:
+        """Put an item at that second."""
         self.placed.append((max(0.0, at_s), len(self.placed), item))
 
     def script(self) -> Script:
+        """The whole plan, in order."""
         now_s = 60.0
         for number in range(self.plan.events):
             now_s += self.random.expovariate(1.0 / self.plan.gap_s) if self.plan.gap_s else 0.0

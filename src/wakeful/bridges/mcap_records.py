@@ -60,6 +60,7 @@ class _Bounded(io.BufferedReader):
         super().__init__(io.FileIO(path))
 
     def read(self, size: int | None = -1, /) -> bytes:
+        """As the stream, within a limit."""
         if size is not None and size > _MAX_RECORD_BYTES:
             raise ValueError(f"a record of {size:,} bytes; the limit is {_MAX_RECORD_BYTES:,}")
         return super().read(size)
@@ -73,6 +74,7 @@ class _Described:
         self._channels: dict[int, Channel] = {}
 
     def chunk(self, chunk: Chunk) -> Iterator[RawMessage | Broken]:
+        """The messages of one chunk, or why it cannot be read."""
         try:
             if chunk.uncompressed_size > _MAX_RECORD_BYTES:
                 raise ValueError(f"it holds {chunk.uncompressed_size:,} bytes")
@@ -88,6 +90,7 @@ class _Described:
             yield from self.take(record)
 
     def take(self, record: McapRecord) -> Iterator[RawMessage | Broken]:
+        """The messages of one record."""
         if isinstance(record, Schema):
             self._schemas[record.id] = record
         elif isinstance(record, Channel):

@@ -25,6 +25,7 @@ class _Nothing:
     """Nothing is treated at rest."""
 
     def get(self, name: str) -> NoReturn:
+        """Nothing is treated."""
         raise LookupError(f"treatment {name} was wanted from a mind at rest")
 
 
@@ -45,6 +46,7 @@ class _AtRest:
             self._apply(line.record)
 
     def write(self, record: AnyRecord) -> None:
+        """Record, and apply to the process set."""
         self._position += 1
         self.lines.append(Line(self._position, self.now_ns, record))
         self._apply(record)
@@ -58,6 +60,7 @@ class _AtRest:
 
     @property
     def steps_left(self) -> int | None:
+        """None: nobody takes a step."""
         return 0
 
     def spent(self, steps: int) -> None:
@@ -67,16 +70,20 @@ class _AtRest:
         """Nothing falls due at rest."""
 
     def resolved(self, burst: Ran, forecast: Forecast | None) -> None:  # noqa: ARG002
+        """Nothing is resolved at rest, but a host must be able to."""
         self.pack(burst)
 
     def pack(self, burst: AnyBurst) -> None:
+        """One by one: nothing here is in a hurry."""
         for record in burst.records():
             self.write(record)
 
     def event(self, identity: str) -> Event:
+        """An admitted event."""
         return self._events[identity]
 
     def note(self, what: str, detail: str, process: int = 0, event: str = "") -> None:
+        """Record something that a person should know."""
         self.write(Noted(what=what, detail=detail, process=process, event=event))
 
     def call(self, call: Call) -> None:
@@ -86,6 +93,7 @@ class _AtRest:
         """Nothing concludes at rest."""
 
     def closed_to(self, act: Act) -> str:
+        """Why a completed process cannot be reopened; empty where it can."""
         return "" if act.event in self._events and act.process in self._decided else f"there is no event {act.event!r}"
 
     def reopen(self, act: Act) -> None:
@@ -108,12 +116,15 @@ class _AtRest:
         self.write(Decided(process=process, event=event.id, decision=decision))
 
     def recall(self, query: Query) -> tuple[Episode, ...]:  # noqa: ARG002
+        """Nothing is recalled."""
         return ()
 
     def closes_ns(self, arrived_ns: int) -> int:
+        """At once: no window is waited for."""
         return arrived_ns
 
     def counselled(self, decision: Decision, reply: Reply) -> dict[str, float]:  # noqa: ARG002
+        """The decision's own forecast."""
         return decision.prior
 
 

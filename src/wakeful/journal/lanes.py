@@ -117,6 +117,7 @@ class _Reader:
         self._source_marks: dict[str, list[Mark]] = {}
 
     def take(self, line: Line) -> None:
+        """Follow one line."""
         record, at_ns = line.record, line.at_ns
         # A journal begins when its first event comes: before it, kernel time may stand at zero.
         if self._first_ns is None and not isinstance(record, Opened):
@@ -184,6 +185,7 @@ class _Reader:
                 pass
 
     def told(self, event: str, last: int) -> Lanes:
+        """The lanes of one event, or of the last processes."""
         chosen = self._chosen(event, last)
         begin_ns = self._first_ns or 0
         return Lanes(

@@ -41,6 +41,7 @@ class _Old(msgspec.Struct, frozen=True):
 
     @property
     def first(self) -> int:
+        """The position of its first line."""
         return self.id // VERSIONS
 
 

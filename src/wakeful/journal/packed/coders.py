@@ -153,6 +153,7 @@ class _Fields:
         self._get = attrgetter(*names)
 
     def coder(self) -> Coder:
+        """Its two directions."""
         return Coder(self._write, self._read)
 
     def _write(self, value: object) -> list[Any]:
@@ -176,6 +177,7 @@ class _Mapping:
         self._names: dict[bytes | str, list[str]] = {}
 
     def coder(self) -> Coder:
+        """Its two directions."""
         return Coder(self._write, self._read)
 
     def _write(self, mapping: dict[str, object]) -> Plain:
