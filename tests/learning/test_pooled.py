@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 import numpy as np
 import pytest
 
 from tests.learning.worlds import job
+from wakeful.contracts.grounds import Grounded
 from wakeful.learning.forest import ForestSettings
 from wakeful.learning.material import material_of
 from wakeful.learning.pooled import Pooled, PooledSettings
@@ -129,3 +132,26 @@ def test_not_joined_it_is_the_network_alone_and_goes_on_from_either(weights: byt
     assert card.base == 1
     assert not is_pooled(again)
     assert isinstance(alone.load(weights), PooledPredictor)
+
+
+def test_the_grounds_of_a_treatment_add_up_to_its_odds(weights: bytes) -> None:
+    predictor = LEARNER.load(weights)
+    assert isinstance(predictor, Grounded)
+    for row in np.random.default_rng(6).random((20, 6)):
+        shares = dict(zip(predictor.treatments, predictor.estimate(row).treatments, strict=True))
+        for treatment, share in shares.items():
+            found = predictor.grounds(row, treatment)
+            assert found is not None
+            assert found.against != treatment
+            assert shares[found.against] == max(other for name, other in shares.items() if name != treatment)
+            assert sum(part.nats for part in found.parts) == pytest.approx(math.log(share / shares[found.against]), abs=1e-4)
+            assert sum(rule.heard for rule in found.rules) == pytest.approx(1.0, abs=1e-6)
+            for ask in (ask for rule in found.rules for ask in rule.asks):
+                value = row[ask.column] + (ask.slope * row[ask.other] if ask.other >= 0 else 0.0)
+                assert (value > ask.limit) == ask.above
+    assert predictor.grounds(row, "dreaming") is None
+
+
+def test_a_network_alone_has_no_learned_rules_to_name() -> None:
+    _, alone = TwoHeads().train(job(epochs=3))
+    assert not isinstance(LEARNER.load(alone), Grounded)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
+
 from wakeful.cli.terminal import bar, heading, paragraph, say
-from wakeful.cli.weighed import CannotRecompute, weighed
+from wakeful.cli.weighed import CannotRecompute, Weighed, weighed
 from wakeful.facts.decisions import Decision
 from wakeful.journal.sqlite import SqliteJournal
 from wakeful.journal.story import ProcessStory
@@ -12,6 +14,7 @@ from wakeful.journal.wording.decisions import MODES, gate_lines, memory_words, m
 from wakeful.journal.wording.words import count, plain
 
 _SHOWN = 5
+_RULES = 4
 
 
 def print_decisions(journal: SqliteJournal, read: History, told: Story, process: ProcessStory) -> None:
@@ -48,10 +51,35 @@ def _weights(journal: SqliteJournal, read: History, told: Story, decision: Decis
     except CannotRecompute as error:
         paragraph(f"what weighed most cannot be recomputed: {error}")
         return
-    strongest = sorted(found, key=lambda each: -abs(each.treatment))[:_SHOWN]
+    strongest = sorted(found.fields, key=lambda each: -abs(each.treatment))[:_SHOWN]
     spoke = [f"{each.field} = {plain(each.value)} ({each.treatment:+.2f})" for each in strongest if abs(each.treatment) >= 0.005]
     if spoke:
         paragraph(f"what weighed most for {decision.treatment}, against what is typical: {', '.join(spoke)}", 2, 2)
+    _learned(found)
+
+
+def _learned(found: Weighed) -> None:
+    """The learned rules that spoke, and how the parts of the model weighed."""
+    grounds, words = found.grounds, found.words
+    if grounds is None or words is None:
+        return
+    parts = ", ".join(f"{part.name} {part.nats:+.2f}" for part in grounds.parts)
+    total = sum(part.nats for part in grounds.parts)
+    paragraph(f"against {grounds.against}, in nats: {parts}; together {total:+.2f}, odds of {math.exp(total):.3g} to 1", 2, 2)
+    if not grounds.rules:
+        return
+    said = sum(rule.heard * rule.share for rule in grounds.rules)
+    paragraph(f"learned rules that spoke, together {said:.3f} for {grounds.treatment}", 2, 2)
+    for rule in grounds.rules[:_RULES]:
+        paragraph(
+            f"· {words.rule(rule)}: {grounds.treatment} with {rule.share:.3f}, from {count(rule.support, 'experience')} "
+            f"({rule.heard:.0%} of the lists)",
+            4,
+            2,
+        )
+    if len(grounds.rules) > _RULES:
+        rest = sum(rule.heard for rule in grounds.rules[_RULES:])
+        paragraph(f"· {count(len(grounds.rules) - _RULES, 'other')} ({rest:.0%} of the lists)", 4, 2)
 
 
 def _gate(decision: Decision) -> None:

@@ -68,5 +68,5 @@ def _weighing(journal: SqliteJournal, read: History, event: Event, decision: Dec
         found = weighed(journal, read, event, decision)
     except CannotRecompute:
         return []
-    strongest = sorted(found, key=lambda each: -abs(each.treatment))[:_SHOWN]
+    strongest = sorted(found.fields, key=lambda each: -abs(each.treatment))[:_SHOWN]
     return [(f"{each.field} = {each.value}", each.treatment) for each in strongest if abs(each.treatment) >= _LEAST]

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import numpy.typing as npt
 
+from wakeful.contracts.grounds import HeardRule
 from wakeful.learning.experts import LEAST
 from wakeful.learning.forest import Forest, ForestReader, ForestSettings, fit_forest
 from wakeful.learning.material import Flags, Floats, Material
@@ -79,6 +80,10 @@ class PanelReader:
         if self._shifted:
             seen = seen + self._slopes * x.take(self._others)
         return self._rules.shares(x).tolist(), self._forest.logits(seen).tolist()
+
+    def heard(self, x: Floats, place: int) -> tuple[HeardRule, ...]:
+        """The rules that spoke for one row (d,), and what each says of the class at ``place``."""
+        return self._rules.heard(x, place)
 
     def logs_many(self, x: Floats) -> Floats:
         """Logarithms of probabilities by rules and by trees, up to a constant each, (2, n, k), for rows (n, d)."""

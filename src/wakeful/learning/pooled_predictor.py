@@ -7,9 +7,10 @@ import math
 import msgspec
 import numpy as np
 
+from wakeful.contracts.grounds import Grounds, Part
 from wakeful.contracts.learner import Estimate, Estimates, Vector
 from wakeful.learning.experts import LEAST, logs_of, pooled
-from wakeful.learning.panel import PanelReader
+from wakeful.learning.panel import EXPERTS, PanelReader
 from wakeful.learning.pooled_weights import PooledModel
 from wakeful.learning.predictor import TwoHeadsPredictor, shares
 
@@ -33,13 +34,39 @@ class PooledPredictor(TwoHeadsPredictor):
             ValueError: the features have another shape than the model's.
         """
         found = super().estimate(features)
-        by_rules, by_trees = self._panel.alone(features)
         network, rules, trees = self._each
-        logits = [
-            network * math.log(max(n, LEAST)) + rules * math.log(max(r, LEAST)) + trees * t
-            for n, r, t in zip(found.treatments.tolist(), by_rules, by_trees, strict=True)
-        ]
+        logits = [network * n + rules * r + trees * t for n, r, t in self._said(features, found.treatments)]
         return Estimate(treatments=shares(logits), labels=found.labels, novelty=found.novelty, cell=found.cell)
+
+    def grounds(self, features: Vector, treatment: str) -> Grounds | None:
+        """Which rules spoke for the treatment, and how far network, rules and trees moved it against the likeliest other one.
+
+        Nothing is sampled or fitted for it: these are the terms of which ``estimate`` made its probabilities.
+        """
+        if treatment not in self.treatments or len(self.treatments) < 2:
+            return None
+        own = self.treatments.index(treatment)
+        ranked = self.estimate(features).treatments.tolist()
+        other = max((place for place in range(len(ranked)) if place != own), key=lambda place: ranked[place])
+        said = self._said(features, super().estimate(features).treatments)
+        parts = [
+            Part(name, round(weight * (mine - theirs), _DIGITS))
+            for name, weight, mine, theirs in zip(EXPERTS, self._each, said[own], said[other], strict=True)
+        ]
+        return Grounds(
+            treatment=treatment,
+            against=self.treatments[other],
+            parts=tuple(part for part, weight in zip(parts, self._each, strict=True) if weight > 0.0),
+            rules=self._panel.heard(features, own) if self._each[1] > 0.0 else (),
+        )
+
+    def _said(self, features: Vector, by_network: Vector) -> list[tuple[float, float, float]]:
+        """For each treatment what network, rules and trees say: logarithms of probabilities, up to a constant each."""
+        by_rules, by_trees = self._panel.alone(features)
+        return [
+            (math.log(max(n, LEAST)), math.log(max(r, LEAST)), t)
+            for n, r, t in zip(by_network.tolist(), by_rules, by_trees, strict=True)
+        ]
 
     def estimate_rows(self, features: Vector) -> Estimates:
         """The same for rows (n, d), all at once.

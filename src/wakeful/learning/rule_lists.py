@@ -8,6 +8,7 @@ from typing import Final
 import msgspec
 import numpy as np
 
+from wakeful.contracts.grounds import Ask, HeardRule
 from wakeful.learning.clauses import Clause, Clauses, as_arrays, as_bits
 from wakeful.learning.material import Flags, Floats, Material
 from wakeful.learning.rule_search import Listed, Search, SearchSettings
@@ -124,6 +125,7 @@ class RuleReader:
             self._lists.append((wanted, start))
             start += 1
         self._known: dict[int, Floats] = {}
+        self._model = model
         self._spoken = model.spoken * np.repeat(np.array(model.say), [len(rules) + 1 for rules in model.lists])[:, None]
 
     def shares(self, x: Floats) -> Floats:
@@ -141,6 +143,34 @@ class RuleReader:
     def speaking(self, x: Floats) -> list[int]:
         """Which rule of each list speaks for the row, as places in ``spoken``."""
         return self._first(self._holds(x))
+
+    def heard(self, x: Floats, place: int) -> tuple[HeardRule, ...]:
+        """The different rules that speak for the row, the most heard first, and what each says of the class at ``place``.
+
+        A list in which another one speaks may hold the same rule further down.
+        """
+        model = self._model
+        found: dict[tuple[int, ...], list[tuple[float, float, int]]] = {}
+        start = 0
+        for say, rules, spoke in zip(model.say, model.lists, self.speaking(x), strict=True):
+            rule = tuple(sorted(set(rules[spoke - start]))) if spoke - start < len(rules) else ()
+            found.setdefault(rule, []).append((say, float(model.spoken[spoke, place]), model.support[spoke]))
+            start += len(rules) + 1
+        heard = [
+            HeardRule(
+                asks=tuple(self._ask(model.clauses[clause]) for clause in rule),
+                heard=round(sum(say for say, _, _ in said), _DIGITS),
+                share=round(sum(say * share for say, share, _ in said) / sum(say for say, _, _ in said), _DIGITS),
+                support=max(support for _, _, support in said),
+            )
+            for rule, said in found.items()
+            if sum(say for say, _, _ in said) > 0.0
+        ]
+        return tuple(sorted(heard, key=lambda each: -each.heard))
+
+    @staticmethod
+    def _ask(clause: Clause) -> Ask:
+        return Ask(column=clause.column, limit=clause.limit, above=clause.above, other=clause.other, slope=clause.slope)
 
     def _holds(self, x: Floats) -> int:
         values = x.take(self._columns)
