@@ -575,7 +575,8 @@ class Kernel:
 
     def _do_until(self, now_ns: int) -> None:
         while True:
-            due_ns = self._scheduler.next_due_ns()
+            put_off = self._left == 0  # steps are; limits pass when they are due
+            due_ns = self._scheduler.passes_ns() if put_off else self._scheduler.next_due_ns()
             closes_ns = self._closes_next_ns()
             repays_ns = self._debts.next_due_ns()
             if repays_ns is not None and repays_ns <= min(each for each in (now_ns, due_ns, closes_ns) if each is not None):
@@ -586,12 +587,12 @@ class Kernel:
                     break
                 self._now_ns = max(self._now_ns, closes_ns)
                 self._judge(self._validation.close(self._now_ns))
-            elif due_ns is not None and due_ns <= now_ns and (self._left != 0 or self._scheduler.passes_next):
-                if self._left and not self._scheduler.passes_next:
+            elif due_ns is not None and due_ns <= now_ns:
+                if self._left and self._scheduler.step_next:
                     self._left -= 1
                 self.steps_done += 1
                 self._now_ns = max(self._now_ns, due_ns)
-                self._scheduler.run_due()
+                self._scheduler.run_due(put_off)
             else:
                 break
             if self._stops and (self._calls or self._trainings):

@@ -5,12 +5,15 @@ from __future__ import annotations
 import enum
 import heapq
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from wakeful.facts.lines import Asked
 from wakeful.facts.processes import State
 from wakeful.scheduling.process import Process
 from wakeful.scheduling.process_set import ProcessSet
+
+#: Instant, rank, process, number of its request.
+_Entry: TypeAlias = tuple[int, int, int, int]
 
 
 class Rank(enum.IntEnum):
@@ -31,7 +34,8 @@ class Due(NamedTuple):
 
 
 class Agenda:
-    """A heap of instants. An entry that no longer holds (its process moved on) is passed over when its turn comes.
+    """Two heaps of instants: steps, which may be put off, and what passes by the clock. An entry that no longer holds (its
+    process moved on) is passed over when its turn comes.
 
     Args:
         processes: by whose state an entry holds or not.
@@ -43,7 +47,8 @@ class Agenda:
         self._processes = processes
         self._step_ns = step_ns
         self._stir = stir
-        self._heap: list[tuple[int, int, int, int]] = []
+        self._steps: list[_Entry] = []
+        self._limits: list[_Entry] = []
         self._tick_ns: int | None = None
 
     def begin_step(self, process: Process) -> None:
@@ -65,21 +70,24 @@ class Agenda:
 
     def next_ns(self) -> int | None:
         """When the next entry that holds is due."""
-        heap = self._heap
-        while heap:
-            if self._holds(heap[0]):
-                return heap[0][0]
-            heapq.heappop(heap)
-        return None
+        step, limit = self._first(self._steps), self._first(self._limits)
+        if step is None or (limit is not None and limit < step):
+            step = limit
+        return None if step is None else step[0]
+
+    def passes_ns(self) -> int | None:
+        """When the next limit passes, or is to be settled anew: however many steps that are due before it are put off."""
+        limit = self._first(self._limits)
+        return None if limit is None else limit[0]
 
     @property
     def step_next(self) -> bool:
         """Whether the first entry is a step's end."""
-        return bool(self._heap) and self._heap[0][1] == Rank.STEP
+        return bool(self._steps) and (not self._limits or self._steps[0] < self._limits[0])
 
-    def take(self) -> Due | None:
-        """Take the first entry off; None where it no longer holds."""
-        entry = heapq.heappop(self._heap)
+    def take(self, passing: bool = False) -> Due | None:
+        """Take the first entry off; ``passing``: the first that is no step. None where it no longer holds."""
+        entry = heapq.heappop(self._limits if passing or not self.step_next else self._steps)
         if not self._holds(entry):
             return None
         if entry[1] == Rank.TICK:
@@ -87,10 +95,17 @@ class Agenda:
         return Due(entry[0], Rank(entry[1]), entry[2], entry[3])
 
     def _enter(self, at_ns: int, rank: int, process: int = 0, seq: int = 0) -> None:
-        heapq.heappush(self._heap, (at_ns, int(rank), process, seq))
+        heapq.heappush(self._steps if rank == Rank.STEP else self._limits, (at_ns, int(rank), process, seq))
         self._stir(at_ns)
 
-    def _holds(self, entry: tuple[int, int, int, int]) -> bool:
+    def _first(self, heap: list[_Entry]) -> _Entry | None:
+        while heap:
+            if self._holds(heap[0]):
+                return heap[0]
+            heapq.heappop(heap)
+        return None
+
+    def _holds(self, entry: _Entry) -> bool:
         at_ns, rank, number, seq = entry
         if rank == Rank.TICK:
             return self._tick_ns == at_ns

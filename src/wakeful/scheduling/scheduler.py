@@ -135,14 +135,18 @@ class Scheduler:
         """When the next step ends or the next limit passes."""
         return self._host.now_ns if self.held_back and self.processes.runnable else self._agenda.next_ns()
 
-    @property
-    def passes_next(self) -> bool:
-        """Whether what falls due next is no step but a limit: that passes when it is due, however many steps wait."""
-        return not self.held_back and not self._agenda.step_next
+    def passes_ns(self) -> int | None:
+        """When the next limit passes: that it does when it is due, however many steps are put off, and while nobody may run."""
+        return self._agenda.passes_ns()
 
-    def run_due(self) -> None:
-        """Do the first thing that is due: end one step, or let one limit pass."""
-        due = self._agenda.take()
+    @property
+    def step_next(self) -> bool:
+        """Whether what falls due next is a step, and no limit."""
+        return self._agenda.step_next
+
+    def run_due(self, passing: bool = False) -> None:
+        """Do the first thing that is due: end one step, or let one limit pass; ``passing``: no step, whatever is due before."""
+        due = self._agenda.take(passing)
         if due is None:
             return
         if due.rank is Rank.STEP:
