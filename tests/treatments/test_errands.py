@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from importlib.util import find_spec
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -52,8 +54,11 @@ def test_the_problem_is_the_task_over_what_is_left_of_the_graph() -> None:
     assert msgspec.json.decode(msgspec.json.encode(errands), type=Errands) == errands
 
 
-@pytest.mark.skipif(find_spec("unified_planning") is not None, reason="the extra planning is installed")
-def test_without_the_planner_the_treatment_says_what_to_install_and_plans_the_way_all_the_same() -> None:
+def test_without_the_planner_the_treatment_says_what_to_install_and_plans_the_way_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "unified_planning.py").write_text("raise ImportError('it is not here')")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", ""))))
     result = treated()
     assert result.task_plan is None
     assert "pip install 'wakeful[planning]'" in result.no_task_plan
