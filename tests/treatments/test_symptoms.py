@@ -2,7 +2,7 @@ import pytest
 
 from tests.treatments.worlds import DOMAIN, episode, event
 from wakeful.facts.values import Field
-from wakeful.treatments.symptoms import findings, seen_in
+from wakeful.treatments.symptoms import findings, seen_in, told
 
 
 @pytest.mark.parametrize(
@@ -40,3 +40,14 @@ def test_context_counts_as_well_as_the_events_own_fields_which_come_first() -> N
     met = event(state="normal")
     assert seen_in("state=normal", met) is True
     assert seen_in("relation=changed", met) is True
+
+
+def test_a_word_in_the_events_sentence_is_a_sign_and_its_absence_none() -> None:
+    met = event(says="sensors says: no barometer found")
+    assert seen_in("says~baro|pressure", met) is True
+    assert seen_in("says~compass", met) is None
+    assert told("says~baro|pressure", met) == "“baro” in what it says"
+
+
+def test_a_word_that_a_text_field_lacks_is_a_finding() -> None:
+    assert seen_in("text~baro", event(text="all is well")) is False

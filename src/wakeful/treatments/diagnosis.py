@@ -210,7 +210,7 @@ def _conclude(
     top = suspects[0] if suspects and shown else None
     settled = top is not None and top.explains and top.posterior >= settings.threshold
     return Diagnosis(
-        says=sentence(mind, subject(event), _named(top, suspects, mind), _next(check, settled), expectation(forecast)),
+        says=sentence(mind, subject(event), _named(event, top, suspects, mind), _next(check, settled), expectation(forecast)),
         confidence=sure(mind, top.posterior if top is not None and top.explains else NOTHING_TO_GO_ON),
         rests_on=(
             f"event {event.id}",
@@ -256,7 +256,7 @@ def _outcomes(mind: Mind, network: Network, known: Mapping[str, bool]) -> Voice 
     return model_voice(mind.domain, "fault table", {label: network.chance(label, known) for label in named})
 
 
-def _named(top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
+def _named(event: Event, top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
     if not suspects:
         return f": no diagnosis, because domain {mind.domain.name} has no fault table"
     if top is None:
@@ -269,7 +269,7 @@ def _named(top: Suspect | None, suspects: Sequence[Suspect], mind: Mind) -> str:
         for other in suspects[1:3]
         if other.explains and other.posterior >= WORTH_NAMING
     )
-    signs = f"from {percent(top.prior)} by {', '.join(map(told, top.shown))}"
+    signs = f"from {percent(top.prior)} by {', '.join(told(symptom, event) for symptom in top.shown)}"
     return f": {top.fault} {percent(top.posterior)} ({signs}{'; then ' + others if others else ''})"
 
 

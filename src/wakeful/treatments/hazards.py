@@ -91,6 +91,7 @@ def circumstances(event: Event) -> Mapping[str, Field]:
         **event.fields,
         "kind": event.kind,
         "entity": event.entity,
+        "says": event.says,
         "relation": event.relation.value,
         "task": event.context.task,
         "zone": event.context.zone,

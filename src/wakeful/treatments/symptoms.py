@@ -1,7 +1,8 @@
 """Symptoms: whether an event or a remembered case shows what a fault of the domain is said to cause.
 
 A symptom is an event kind, or a field with a value (``state=unstable``) or a bound (``load>0.6``, also written ``load=>0.6``:
-the field, and then what guidelines would write), or one of some words in a text (``text~overheat|temperature``).
+the field, and then what guidelines would write), or one of some words in a text (``text~overheat|temperature``; ``says`` is the
+event's own sentence).
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def seen_in(symptom: str, event: Event) -> bool | None:
     condition = split(symptom)
     if condition is None:
         return True if symptom == event.kind else None
-    return holds(condition, circumstances(event))
+    shown = holds(condition, circumstances(event))
+    # that its sentence does not name a thing is no finding: most sentences name one thing only
+    return None if shown is False and condition[:2] == ("says", "~") else shown
 
 
 def findings(faults: Iterable[Fault], event: Event, others: Iterable[Episode] = ()) -> dict[str, bool]:
@@ -54,8 +57,8 @@ def split(symptom: str) -> tuple[str, str, str] | None:
     return None if found is None else (found[1].strip(), found[2], found[3].strip())
 
 
-def told(symptom: str) -> str:
-    """A symptom as a sentence says it.
+def told(symptom: str, event: Event | None = None) -> str:
+    """A symptom as a sentence says it; of words in a text only those that the event has, where there is one.
 
     >>> told("temperature_c=>70"), told("state=unstable"), told("motor_hot")
     ('temperature > 70 °C', 'state unstable', 'motor hot')
@@ -67,7 +70,10 @@ def told(symptom: str) -> str:
         return symptom.replace("_", " ")
     name, sign, value = condition
     if sign == "~":
-        return f"“{value.replace('|', '”, “')}” in its {bare(name)}"
+        text = "" if event is None else str(circumstances(event).get(name, "")).casefold()
+        words = [word.strip() for word in value.split("|")]
+        said = [word for word in words if word.casefold() in text] or words
+        return f"“{'”, “'.join(said)}” in {'what it says' if name == 'says' else 'its ' + bare(name)}"
     sized = quantity(name, float(value)) if _is_number(value) else value
     return f"{bare(name)} {'' if sign == '=' else sign + ' '}{sized}"
 

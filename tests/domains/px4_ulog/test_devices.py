@@ -107,6 +107,26 @@ def test_flapping_gps_checks_are_one_condition() -> None:
     assert watch.phases("gps_checks") == [Phase.RAISED]
 
 
+def test_a_receiver_is_settled_once_it_had_a_fix_and_passed_the_checks_with_it() -> None:
+    watch = Watch(Satellites)
+    for second, fix, bits in [
+        (0, 0, 0),
+        (1, 0, 9),
+        (3, 2, 9),
+        (4, 3, 9),
+        (5, 3, 0),
+        (20, 3, 0),
+        (21, 3, 40),
+        (23, 3, 40),
+        (24, 0, 40),
+    ]:
+        watch.see(float(second), "vehicle_gps_position", fix_type=fix, eph=1.0, satellites_used=10)
+        watch.see(second + 0.1, "estimator_status", gps_check_fail_flags=bits)
+    raised = [one for one in watch.found("gps_checks") if one.phase is Phase.RAISED]
+    assert [one.fields["settled"] for one in raised] == [False, True]
+    assert [one.fields["settled"] for one in watch.found("gps_fix")] == [False, False, True]
+
+
 def test_vibration_counts_as_flight_review_counts_it() -> None:
     watch = _fly(Watch(Airframe))
     for second in range(10):

@@ -40,6 +40,8 @@ class _Receiver(msgspec.Struct):
     jammed: Latch = msgspec.field(default_factory=Latch)
     spoofed: Latch = msgspec.field(default_factory=Latch)
     had_fix: bool = False
+    settled: bool = False
+    """It has had a fix, and passed the estimator's checks with it: what fails from now on is no part of finding its place."""
 
 
 class _Memory(msgspec.Struct):
@@ -101,7 +103,7 @@ class Satellites(Remembering[_Memory]):
     def _fix(
         self, receiver: _Receiver, entity: str, fix: int, at_ns: int, more: Mapping[str, float | str | None]
     ) -> Iterator[Seen]:
-        before = receiver.fix
+        before, settled = receiver.fix, receiver.had_fix
         receiver.had_fix = receiver.had_fix or fix >= 3
         if before is None or FIXES.get(before) == FIXES.get(fix):
             receiver.fix, receiver.next_fix = fix, None
@@ -120,7 +122,14 @@ class Satellites(Remembering[_Memory]):
         yield Found(
             kind="gps_fix",
             entity=entity,
-            fields={**flight.fields(), **more, "fix": FIXES.get(fix, "none"), "worse": worse, "severity": 0.8 if lost else 0.3},
+            fields={
+                **flight.fields(),
+                **more,
+                "fix": FIXES.get(fix, "none"),
+                "worse": worse,
+                "settled": settled,
+                "severity": 0.8 if lost else 0.3,
+            },
             says=(
                 f"{entity.upper()} fix went from {FIXES.get(before, 'none')} to {FIXES.get(fix, 'none')}"
                 f" with {more['satellites'] or 0:.0f} satellites ({flight.says()})."
@@ -136,8 +145,10 @@ class Satellites(Remembering[_Memory]):
         if bits is None:
             return
         receiver = self.memory.receivers.setdefault("gps", _Receiver())
+        receiver.settled = receiver.settled or (bits == 0 and receiver.had_fix)
         said = f"the estimator's GPS checks fail (mask {bits})"
-        yield from self._lasting(receiver.checks, int(bits != 0), observation.at_ns, "gps_checks", "gps", said, {}, hold_s=1.0)
+        more = {"settled": receiver.settled}
+        yield from self._lasting(receiver.checks, int(bits != 0), observation.at_ns, "gps_checks", "gps", said, more, hold_s=1.0)
 
     def _lasting(
         self,
@@ -147,7 +158,7 @@ class Satellites(Remembering[_Memory]):
         kind: str,
         entity: str,
         said: str,
-        more: Mapping[str, float | str | None],
+        more: Mapping[str, float | str | bool | None],
         hold_s: float = 0.5,
     ) -> Iterator[Seen]:
         phase = latch.see(level, at_ns, to_ns(hold_s), to_ns(5.0))
