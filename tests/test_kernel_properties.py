@@ -42,8 +42,8 @@ ENTITIES = ("pump", "stack", "crate")
 class Bench:
     """A kernel with its journal, driven by hand; ``crash`` forgets everything that was not committed."""
 
-    def __init__(self, seed: int = 0) -> None:
-        self.settings = MindSettings(step_s=0.1, reasoner_slots=2, seed=seed)
+    def __init__(self, seed: int = 0, keep_waiting: int = 4_096) -> None:
+        self.settings = MindSettings(step_s=0.1, reasoner_slots=2, seed=seed, keep_waiting=keep_waiting)
         self.journal = MemoryJournal()
         self.calls: list[Call] = []
         self.position = -1
@@ -100,11 +100,12 @@ def text(lines: Iterable[Line]) -> bytes:
 
 
 class TwoKernels(RuleBasedStateMachine):
-    """The same script for a kernel that lives through and for one that crashes at any instant between two commits."""
+    """The same script for a kernel that lives through and for one that crashes at any instant between two commits, and whose
+    waiting processes are parked outside memory at once."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.calm, self.crashing = Bench(), Bench()
+        self.calm, self.crashing = Bench(), Bench(keep_waiting=0)
         self.told = 0
 
     def both(self) -> tuple[Bench, Bench]:

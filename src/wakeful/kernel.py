@@ -14,6 +14,7 @@ import msgspec
 
 from wakeful.admission import Admission, Counts
 from wakeful.admission.overload import Overload
+from wakeful.contracts.aside import Aside
 from wakeful.contracts.domain import Domain
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
@@ -50,6 +51,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
+from wakeful.parking import Parking
 from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
@@ -84,9 +86,18 @@ class Kernel:
         learner: trains and loads F_θ.
         policy: chooses among ready processes.
         settings: how this mind thinks.
+        aside: where long waiters are parked; None: they stay in memory.
     """
 
-    def __init__(self, domain: Domain, registry: Registry, learner: Learner, policy: Policy, settings: MindSettings) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        registry: Registry,
+        learner: Learner,
+        policy: Policy,
+        settings: MindSettings,
+        aside: Aside | None = None,
+    ) -> None:
         self.domain = domain
         self.settings = settings
         spec = domain.spec
@@ -134,6 +145,9 @@ class Kernel:
             guarantee=self._guarantee,
             revision=self._revision,
             debts=self._debts,
+        )
+        self._parking = Parking(
+            aside, settings.keep_waiting, scheduler=self._scheduler, validation=self._validation, revision=self._revision
         )
         self._entries: list[Entry] = []
         self._blobs: dict[str, bytes] = {}
@@ -241,6 +255,7 @@ class Kernel:
                 self._until(self._now_ns)
         self._foreseen.clear()
         self._stops = False
+        self._parking.settle()
         return self._requests(left)
 
     def _foresee(self, inputs: list[Input]) -> None:
@@ -620,6 +635,10 @@ class Kernel:
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""
         return self._folding.events[identity]
+
+    def take_up(self, process: int) -> None:
+        """Have a parked process at hand again."""
+        self._parking.take_up(process)
 
     def call(self, call: Call) -> None:
         """Have the driver make a call outside, once the lines are durable."""

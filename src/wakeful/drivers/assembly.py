@@ -7,6 +7,7 @@ from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.domains import load
 from wakeful.facts.settings import MindSettings
+from wakeful.journal.aside import AsideFile
 from wakeful.kernel import Kernel
 from wakeful.learning.pooled import Pooled, PooledSettings
 from wakeful.scheduling.policies.deadline_aware import DeadlineAware, DeadlineAwareSettings
@@ -54,6 +55,7 @@ def assemble(
         trains,
         shares,
         thinks,
+        AsideFile(),
     )
     return kernel, trains
 

@@ -58,6 +58,10 @@ class _AtRest:
             self._decided[record.process] = record.decision
         self.scheduler.processes.apply(record, self.now_ns)
 
+    def take_up(self, process: int) -> NoReturn:
+        """Nobody is parked."""
+        raise LookupError(f"process {process} was wanted from a mind at rest")
+
     @property
     def steps_left(self) -> int | None:
         """None: nobody takes a step."""

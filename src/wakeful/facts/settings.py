@@ -15,22 +15,23 @@ Selecting = Literal["two_heads", "pooled"]
 class MindSettings(Fact, frozen=True):
     """How one mind thinks.
 
-    ``slots``: processes that may be active at once. ``step_s``: kernel time that one step of work takes (0: the step is
-    over as soon as its code has run, as in the live driver). ``slotted``: steps begin only at multiples of ``step_s``, as
-    in a time-slotted simulator, so that all that came within a step is known before the next one begins.
-    ``keep_evidence_s``: for how long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so
-    many processes are reopened by one contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at
-    once, the others queue by priority (0: no limit). ``repay_after_s``: so long after a reasoner refused it is asked again about
-    the riskiest event that holds a provisional treatment for it, each pause twice as long, up to an hour; where it answers, the
-    others are repaid too, one each ``repay_every_s`` (``repay_after_s`` 0: never by themselves). ``keep_events``: completed
-    events kept in memory for late outcomes and reopening. ``episodes``: events that episodic memory keeps to be recalled
-    (above 100,000 with the extra ``memory``). ``nearest``: how many validated experiences a decision names as what it rests
-    on. ``primary_share``: the share of time in which only critical processes may run, for the robot's own task;
-    ``primary_quantum_s`` at a time. ``consult``: in delib mode treatments put typed questions of their own to the reasoner,
-    beside the one that chooses the treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process
-    may spend, ask, and nest in child processes; one that wants more has failed. ``tries``: an event whose treatment has ended
-    the mind's process so often (it crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt.
-    ``overload``: what is given up, in which order, when more comes than can be thought about.
+    ``slots``: processes that may be active at once. ``step_s``: kernel time that one step of work takes (0: the step is over as
+    soon as its code has run, as in the live driver). ``slotted``: steps begin only at multiples of ``step_s``, as in a
+    time-slotted simulator, so that all that came within a step is known before the next one begins. ``keep_evidence_s``: for how
+    long evidence of undeclared topics is kept for who asks later. ``reopen_limit``: at most so many processes are reopened by one
+    contradiction. ``reasoner_slots``: calls of the reasoner that may be under way at once, the others queue by priority (0: no
+    limit). ``repay_after_s``: so long after a reasoner refused it is asked again about the riskiest event that holds a
+    provisional treatment for it, each pause twice as long, up to an hour; where it answers, the others are repaid too, one each
+    ``repay_every_s`` (``repay_after_s`` 0: never by themselves). ``keep_events``: completed events kept in memory for late
+    outcomes and reopening. ``keep_waiting``: processes that wait for evidence and stay at hand; those that have waited longest
+    are parked outside memory until it comes. ``episodes``: events that episodic memory keeps to be recalled (above 100,000 with
+    the extra ``memory``). ``nearest``: how many validated experiences a decision names as what it rests on. ``primary_share``:
+    the share of time in which only critical processes may run, for the robot's own task; ``primary_quantum_s`` at a time.
+    ``consult``: in delib mode treatments put typed questions of their own to the reasoner, beside the one that chooses the
+    treatment. ``max_steps``, ``max_requests``, ``max_depth``: what one attempt of a process may spend, ask, and nest in child
+    processes; one that wants more has failed. ``tries``: an event whose treatment has ended the mind's process so often (it
+    crashed, or a watchdog killed it) is quarantined: completed as unresolved, and debt. ``overload``: what is given up, in which
+    order, when more comes than can be thought about.
 
     ``gate`` says when a treatment may be automatic: ``benefit``, where deliberation would do no better; ``threshold``, from
     the paper's threshold on; ``guarantee``, where the risk P(wrong and automatic) of each treatment is held under ``alpha``
@@ -56,6 +57,7 @@ class MindSettings(Fact, frozen=True):
     repay_after_s: float = 60.0
     repay_every_s: float = 1.0
     keep_events: int = 10_000
+    keep_waiting: int = 4_096
     episodes: int = 20_000
     nearest: int = 3
     consult: bool = False

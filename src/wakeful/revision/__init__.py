@@ -2,6 +2,6 @@
 
 from wakeful.revision.debts import Debts
 from wakeful.revision.revision import Revision, RevisionSettings
-from wakeful.revision.standing import Stale
+from wakeful.revision.standing import Made, Stale
 
-__all__ = ["Debts", "Revision", "RevisionSettings", "Stale"]
+__all__ = ["Debts", "Made", "Revision", "RevisionSettings", "Stale"]

@@ -253,6 +253,14 @@ class Revision:
             )
         )
 
+    def park(self, process: int) -> Made | None:
+        """Give away the decision of a process that is put out of memory while it waits; None where it is still needed."""
+        return self._standing.park(process)
+
+    def take_up(self, made: Made) -> None:
+        """Take a parked process's decision back."""
+        self._standing.cover(made)
+
     def ran(self, burst: Ran, label: str) -> None:
         """Take up a result, with the label that it forecast: what ``apply`` does with its lines."""
         self._standing.conclude(burst.process, burst.mode, label, burst.closes_ns)

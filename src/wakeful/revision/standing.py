@@ -84,6 +84,11 @@ class Standing:
         if made is not None and made.closes_ns is None and not made.settled:
             del self._made[process]
 
+    def park(self, process: int) -> Made | None:
+        """Give away what is known of a process without a result; ``cover`` takes it back."""
+        made = self._made.get(process)
+        return None if made is None or made.closes_ns is not None or made.settled else self._made.pop(process)
+
     def settle(self, process: int) -> None:
         """A decision is no longer open to correction."""
         made = self._made.get(process)

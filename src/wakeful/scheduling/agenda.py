@@ -16,6 +16,10 @@ from wakeful.scheduling.process_set import ProcessSet
 _Entry: TypeAlias = tuple[int, int, int, int]
 
 
+#: Fewer limits than that are not worth a sweep.
+_FEW = 1_024
+
+
 class Rank(enum.IntEnum):
     """What falls due at one instant, in this order."""
 
@@ -93,6 +97,12 @@ class Agenda:
         if entry[1] == Rank.TICK:
             self._tick_ns = None
         return Due(entry[0], Rank(entry[1]), entry[2], entry[3])
+
+    def sweep(self) -> None:
+        """Forget limits that no longer hold, where most don't."""
+        if len(self._limits) > 2 * self._processes.at_hand + _FEW:
+            self._limits = [entry for entry in self._limits if self._holds(entry)]
+            heapq.heapify(self._limits)
 
     def _enter(self, at_ns: int, rank: int, process: int = 0, seq: int = 0) -> None:
         heapq.heappush(self._steps if rank == Rank.STEP else self._limits, (at_ns, int(rank), process, seq))

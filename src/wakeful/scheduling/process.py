@@ -16,8 +16,8 @@ from wakeful.scheduling.mind import KernelMind
 from wakeful.scheduling.wants import Want, Work
 
 
-class Process(msgspec.Struct, kw_only=True):
-    """Everything but ``coroutine``, ``mind``, ``want``, ``stepping`` and ``ran`` is the fold of the journal's records."""
+class Recorded(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What the journal's records say of one process: their fold."""
 
     id: int
     event: Event
@@ -52,6 +52,10 @@ class Process(msgspec.Struct, kw_only=True):
     base_steps: int = 0
     attempts: int = 1
 
+
+class Process(Recorded, kw_only=True):
+    """A process at hand: what was recorded of it, and what is only in memory."""
+
     coroutine: Coroutine[object, object, Result] | None = None
     mind: KernelMind | None = None
     want: Work | Want | None = None
@@ -59,6 +63,10 @@ class Process(msgspec.Struct, kw_only=True):
     """Within a step: it gives up its slot at the step's end at the earliest."""
     ran: int = 0
     """Steps since the dispatch."""
+
+    def recorded(self) -> Recorded:
+        """What was recorded of it, by itself."""
+        return Recorded(**{name: getattr(self, name) for name in Recorded.__struct_fields__})
 
     @property
     def decision(self) -> Decision | None:

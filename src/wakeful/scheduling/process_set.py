@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import islice
 
 import msgspec
 
@@ -16,7 +17,8 @@ from wakeful.facts.packs import Covered, Inquired, Ran, Woken
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.scheduling.backlog import Backlog
 from wakeful.scheduling.crashes import Crashes
-from wakeful.scheduling.process import Process
+from wakeful.scheduling.parked import Parked
+from wakeful.scheduling.process import Process, Recorded
 from wakeful.scheduling.reasoner_calls import ReasonerCalls
 
 _EVENT = msgspec.json.Decoder(Event)
@@ -49,6 +51,8 @@ class ProcessSet:
         self._last = 0
         self._by_condition: dict[str, list[int]] = {}
         self._by_evidence: dict[str, list[int]] = {}
+        self._waiters: dict[int, None] = {}
+        self.parked = Parked()
 
     @property
     def policy(self) -> Policy:
@@ -104,6 +108,11 @@ class ProcessSet:
         return self._open[process]
 
     def __len__(self) -> int:
+        return len(self._open) + len(self.parked)
+
+    @property
+    def at_hand(self) -> int:
+        """How many are in memory, not parked."""
         return len(self._open)
 
     def get(self, process: int) -> Process | None:
@@ -115,8 +124,48 @@ class ProcessSet:
         return [self._open[each] for each in self._by_condition.get(condition, ())]
 
     def expecting(self, topic_key: str) -> list[Process]:
-        """The open processes that wait for that evidence, oldest request first."""
-        return [self._open[each] for each in self._by_evidence.get(topic_key, ())]
+        """The open processes that wait for that evidence, oldest request first, then by id; parked ones have to be taken up
+        before."""
+        found = [self._open[each] for each in self._by_evidence.get(topic_key, ())]
+        return found if len(found) < 2 else sorted(found, key=lambda each: (each.asked_ns, each.id))
+
+    # --- parking: a long waiter is put out of memory, and taken up again ---
+
+    def parkable(self, count: int) -> list[Process]:
+        """The oldest waiters beyond the newest ``count`` of those whom nobody but their evidence, their limit or an operator
+        will ask for."""
+        return [self._open[each] for each in islice(self._waiters, max(0, len(self._waiters) - count))]
+
+    def park(self, process: Process) -> None:
+        """Take a parkable process out of memory. The policy is not told: to it, it waits."""
+        pending = process.pending
+        if pending is None:
+            raise ValueError(f"process {process.id} waits for nothing")
+        del self._open[process.id]
+        self._expects_no_more(process.id, pending.key)
+        if process.coroutine is not None:
+            process.coroutine.close()
+            process.coroutine = process.mind = None
+        self.parked.park(process.id, pending.key, pending.expires_ns)
+
+    def take_up(self, recorded: Recorded) -> Process:
+        """Have a parked process at hand again, as recovery would: its coroutine is rebuilt when it goes on."""
+        self.parked.leave(recorded.id)
+        process = Process(**msgspec.structs.asdict(recorded))
+        self._open[process.id] = process
+        pending = process.pending
+        if pending is not None:
+            self._expects(process, pending.key)
+        return process
+
+    def _expects(self, process: Process, topic_key: str) -> None:
+        self._by_evidence.setdefault(topic_key, []).append(process.id)
+        if not (process.parent or process.held_by or process.event.condition):
+            self._waiters[process.id] = None
+
+    def _expects_no_more(self, process: int, topic_key: str) -> None:
+        _drop(self._by_evidence, topic_key, process)
+        self._waiters.pop(process, None)
 
     def stepped(self, process: Process, now_ns: int) -> None:
         """The holder of a slot has done steps since its dispatch: the policy sees how far it is."""
@@ -138,7 +187,7 @@ class ProcessSet:
             process.asked.append(record)
             process.asked_ns = now_ns
             if record.kind is Kind.EVIDENCE:
-                self._by_evidence.setdefault(record.key, []).append(process.id)
+                self._expects(process, record.key)
             elif record.kind is Kind.DELIBERATE:
                 view = process.view()
                 key = (-view.criticality, -view.priority, view.arrived_ns)
@@ -222,7 +271,7 @@ class ProcessSet:
             process.started_ns = now_ns
         process.asked.append(asked)
         if asked.kind is Kind.EVIDENCE:
-            self._by_evidence.setdefault(asked.key, []).append(process.id)
+            self._expects(process, asked.key)
         if process is self._untold:
             self._untold = None  # it has never stood among the ready ones
         self.policy.waiting(process.view(), now_ns)
@@ -266,7 +315,7 @@ class ProcessSet:
         process.answers[record.seq] = record
         process.answered_ns[record.seq] = now_ns
         if record.kind is Kind.EVIDENCE:
-            _drop(self._by_evidence, record.key, process.id)
+            self._expects_no_more(process.id, record.key)
             had = () if record.error else tuple(each.id for each in _EVIDENCE.decode(record.value))
             process.taken[record.key] = process.taken.get(record.key, ()) + had
 
@@ -307,7 +356,7 @@ class ProcessSet:
     def _restarted(self, process: Process) -> None:
         pending = process.pending
         if pending is not None and pending.kind is Kind.EVIDENCE:
-            _drop(self._by_evidence, pending.key, process.id)
+            self._expects_no_more(process.id, pending.key)
         process.base_seq = process.asked[-1].seq if process.asked else 0
         process.base_steps = process.steps
         process.attempts += 1
@@ -323,7 +372,7 @@ class ProcessSet:
         self.reasoner_calls.leave(process.id, now_ns)
         pending = process.pending
         if pending is not None and pending.kind is Kind.EVIDENCE:
-            _drop(self._by_evidence, pending.key, process.id)
+            self._expects_no_more(process.id, pending.key)
         if process.event.condition is not None and not process.parent:
             _drop(self._by_condition, process.event.condition.key, process.id)
         if process.coroutine is not None:
@@ -341,6 +390,7 @@ class ProcessSet:
             process.held_by = record.who or "an operator"
             self.not_begun.left(process.id)
             self._held.add(process.id)
+            self._waiters.pop(process.id, None)
             self.policy.gone(process.id, now_ns)
             self.reasoner_calls.hold(process.id)
         elif record.act == "release" and process.held:
@@ -350,6 +400,8 @@ class ProcessSet:
                 self.not_begun.came(process.id, process.event.source, now_ns)
             self.reasoner_calls.let_go(process.id, now_ns)
             if process.state is State.WAITING:
+                if process.id in self._by_evidence.get(process.asked[-1].key, ()) and not process.parent:
+                    self._waiters[process.id] = None
                 self.policy.waiting(process.view(), now_ns)
             else:
                 self.policy.runnable(process.view(), now_ns)

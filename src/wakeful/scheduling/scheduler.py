@@ -17,14 +17,14 @@ from wakeful.facts.overload import Load
 from wakeful.facts.packs import Covered
 from wakeful.facts.processes import State, Trigger
 from wakeful.facts.results import Result
-from wakeful.facts.time import to_ns, to_s
+from wakeful.facts.time import LARGEST_NS, to_ns, to_s
 from wakeful.facts.values import NOTHING
 from wakeful.scheduling.agenda import Agenda, Rank
 from wakeful.scheduling.asking import Asking
 from wakeful.scheduling.driving import Coroutines
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.host import Host, Treatments
-from wakeful.scheduling.process import Process
+from wakeful.scheduling.process import Process, Recorded
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.scheduling.running import Running
 from wakeful.scheduling.straight import Straight
@@ -133,19 +133,27 @@ class Scheduler:
 
     def next_due_ns(self) -> int | None:
         """When the next step ends or the next limit passes."""
-        return self._host.now_ns if self.held_back and self.processes.runnable else self._agenda.next_ns()
+        if self.held_back and self.processes.runnable:
+            return self._host.now_ns
+        return self._or_parked(self._agenda.next_ns())
 
     def passes_ns(self) -> int | None:
         """When the next limit passes: that it does when it is due, however many steps are put off, and while nobody may run."""
-        return self._agenda.passes_ns()
+        return self._or_parked(self._agenda.passes_ns())
+
+    def _or_parked(self, due_ns: int | None) -> int | None:
+        soonest_ns = self.processes.parked.soonest_ns
+        return soonest_ns if soonest_ns < (LARGEST_NS if due_ns is None else due_ns) else due_ns
 
     @property
     def step_next(self) -> bool:
         """Whether what falls due next is a step, and no limit."""
-        return self._agenda.step_next
+        return self._agenda.step_next and (self._agenda.next_ns() or 0) <= self.processes.parked.soonest_ns
 
     def run_due(self, passing: bool = False) -> None:
         """Do the first thing that is due: end one step, or let one limit pass; ``passing``: no step, whatever is due before."""
+        for parked in self.processes.parked.until(self._host.now_ns):
+            self._host.take_up(parked)
         due = self._agenda.take(passing)
         if due is None:
             return
@@ -201,6 +209,22 @@ class Scheduler:
     def _move(self, process: Process, trigger: Trigger, by: str = "") -> None:
         self._host.write(process.moved(trigger, by))
 
+    # --- parking ---
+
+    def park(self, process: Process) -> None:
+        """Take a waiting process out of memory; its limit stays noted."""
+        self.processes.park(process)
+
+    def take_up(self, recorded: Recorded) -> None:
+        """Have a parked process at hand again, with its limit."""
+        pending = self.processes.take_up(recorded).pending
+        if pending is not None:
+            self._agenda.limit(pending)
+
+    def parked(self) -> None:
+        """Some were parked: what was noted of them is forgotten."""
+        self._agenda.sweep()
+
     # --- what comes from outside ---
 
     def answer(self, answer: Answer) -> None:
@@ -210,6 +234,8 @@ class Scheduler:
 
     def deliver(self, evidence: Evidence) -> None:
         """Keep the evidence, and wake whoever has now all that it asked for."""
+        for parked in self.processes.parked.waiting_for(f"{evidence.topic}\x1f{evidence.key}"):
+            self._host.take_up(parked)
         woken = self._asking.deliver(evidence)
         if len(woken) == 1:
             self._run_on(woken[0])
@@ -238,6 +264,8 @@ class Scheduler:
         """
         if act.id and self.processes.acted(act.id):
             return
+        if act.process in self.processes.parked:
+            self._host.take_up(act.process)
         process = self.processes.get(act.process)
         refused = f"process {act.process} is not open" if process is None and act.act in ON_OPEN else ""
         if act.act == "reopen":

@@ -45,6 +45,14 @@ class KnownEvents:
         self._event_of[process] = identity
         self._open_on[identity] = 1
 
+    def park(self, process: int) -> int | None:
+        """Give away an event that only this process is open on, and return when it happened; ``covered`` takes it back."""
+        event = self._event_of.get(process)
+        if event is None or self._open_on[event] != 1:
+            return None
+        del self._event_of[process], self._open_on[event], self._events[event]
+        return self._since_ns.pop(event)
+
     def ran(self, process: int, event: str) -> int:
         """The process is open no longer; when its event happened, in kernel time."""
         since_ns = self._since_ns[event]

@@ -217,6 +217,15 @@ class Validation:
         else:
             self._events.completed(burst.process)
 
+    def park(self, process: int) -> int | None:
+        """Give away the event of a process that is put out of memory while it waits, and return when it happened; None where it
+        is still needed."""
+        return self._events.park(process)
+
+    def take_up(self, event: Event, since_ns: int, process: int) -> None:
+        """Take a parked process's event back."""
+        self._events.covered(event, since_ns, process)
+
     def forecast(self, process: int) -> Entry | None:
         """The forecast of a process, with its window and what came of it; None where there is none any more."""
         return self._ledger.get(process)

@@ -1,0 +1,64 @@
+"""Where parked processes are put away: a private temporary database of SQLite's, which is gone when the mind ends."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+import apsw
+
+from wakeful.contracts.aside import AsideFull
+
+#: So much of it stays in memory, in KiB; the rest is on the disk.
+CACHE_KIB = 2_000
+
+
+class AsideFile:
+    """Processes by number in a file that only this process can open.
+
+    SQLite makes it on first use, readable by the owner only and without a name, in the folder that ``SQLITE_TMPDIR`` or
+    ``TMPDIR`` names, else in /var/tmp. It is never synchronised: after a crash the journal is folded anew.
+    """
+
+    def __init__(self) -> None:
+        self._db: apsw.Connection | None = None
+
+    def __enter__(self) -> AsideFile:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def put(self, process: int, text: bytes) -> None:
+        """Put a process away.
+
+        Raises:
+            AsideFull: the temporary folder has no room, or cannot be written.
+        """
+        try:
+            self._opened().execute("INSERT OR REPLACE INTO aside VALUES (?, ?)", (process, text))
+        except (apsw.FullError, apsw.IOError, apsw.CantOpenError) as error:
+            raise AsideFull(f"waiting processes cannot be parked: {error}; make room in SQLITE_TMPDIR") from error
+
+    def take(self, process: int) -> bytes:
+        """Take it back. Raises KeyError where it was not put away."""
+        rows = self._opened().execute("DELETE FROM aside WHERE process = ? RETURNING text", (process,)).fetchall()
+        if not rows or not isinstance(rows[0][0], bytes):
+            raise KeyError(process)
+        return rows[0][0]
+
+    def limit_pages(self, pages: int) -> None:
+        """Let it grow to so many pages of 4 KiB at most."""
+        self._opened().execute(f"PRAGMA max_page_count = {int(pages)}")
+
+    def close(self) -> None:
+        """Give the file up, with all that is in it."""
+        if self._db is not None:
+            self._db.close()
+            self._db = None
+
+    def _opened(self) -> apsw.Connection:
+        if self._db is None:
+            self._db = apsw.Connection("")
+            self._db.execute(f"PRAGMA journal_mode = MEMORY; PRAGMA cache_size = -{CACHE_KIB}")
+            self._db.execute("CREATE TABLE aside (process INTEGER PRIMARY KEY, text BLOB NOT NULL)")
+        return self._db

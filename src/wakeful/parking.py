@@ -1,0 +1,92 @@
+"""Parking: processes that wait long are put out of memory, room by room, and taken up again when something comes for them.
+
+What is decided, recorded and answered is the same with and without it. A parked process is held by its bytes outside memory,
+and by an entry of some 35 bytes in scheduling; after a crash recovery folds it from the journal like any other.
+"""
+
+from __future__ import annotations
+
+import logging
+
+import msgspec
+
+from wakeful.contracts.aside import Aside, AsideFull
+from wakeful.revision import Made, Revision
+from wakeful.scheduling.process import Process, Recorded
+from wakeful.scheduling.scheduler import Scheduler
+from wakeful.validation import Validation
+
+#: At most so many are parked after one feed, so that nobody waits long for it.
+AT_ONCE = 512
+
+
+class _Parked(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """What the rooms hold of one process."""
+
+    process: Recorded
+    made: Made | None = None
+    since_ns: int | None = None
+
+
+_encode = msgspec.json.Encoder().encode
+_decode = msgspec.json.Decoder(_Parked).decode
+_LOG = logging.getLogger(__name__)
+
+
+class Parking:
+    """Keeps the newest ``keep`` waiting processes at hand and parks the others.
+
+    Args:
+        aside: where they are put; None: nobody is parked.
+        keep: so many stay at hand.
+        scheduler, validation, revision: the rooms that hold something of each waiting process.
+    """
+
+    def __init__(
+        self, aside: Aside | None, keep: int, *, scheduler: Scheduler, validation: Validation, revision: Revision
+    ) -> None:
+        self._aside = aside
+        self._keep = keep
+        self._scheduler = scheduler
+        self._validation = validation
+        self._revision = revision
+
+    def settle(self) -> None:
+        """Park the oldest waiters where there are too many, a few at a time."""
+        if self._aside is None:
+            return
+        parkable = self._scheduler.processes.parkable(self._keep)
+        if not parkable:
+            return
+        for process in parkable[:AT_ONCE]:
+            try:
+                self._park(self._aside, process)
+            except AsideFull as error:
+                _LOG.warning("%s", error)
+                self._keep *= 2  # they stay at hand: it is tried again when there are twice as many
+                break
+        self._scheduler.parked()
+
+    def _park(self, aside: Aside, process: Process) -> None:
+        made = self._revision.park(process.id)
+        since_ns = self._validation.park(process.id)
+        try:
+            aside.put(process.id, _encode(_Parked(process=process.recorded(), made=made, since_ns=since_ns)))
+        except AsideFull:
+            self._give_back(process, made, since_ns)
+            raise
+        self._scheduler.park(process)
+
+    def take_up(self, process: int) -> None:
+        """Have a parked process at hand again. Raises KeyError where it is not parked."""
+        if self._aside is None:
+            raise KeyError(process)
+        parked = _decode(self._aside.take(process))
+        self._scheduler.take_up(parked.process)
+        self._give_back(parked.process, parked.made, parked.since_ns)
+
+    def _give_back(self, process: Recorded, made: Made | None, since_ns: int | None) -> None:
+        if made is not None:
+            self._revision.take_up(made)
+        if since_ns is not None:
+            self._validation.take_up(process.event, since_ns, process.id)
