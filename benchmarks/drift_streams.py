@@ -109,21 +109,20 @@ def wakeful(rows: Rows) -> dict[str, object]:
     driver = SimulatedDriver(kernel, journal, GuidelineReasoner(domain.spec), learner)
     driver.begin("rows", rows.name)
     names = list(domain.spec.fields)
-    waiting: deque[tuple[str, str, int]] = deque()
+    waiting: deque[tuple[str, str]] = deque()
     for place, values in enumerate(rows.x.tolist()):
         at_ns = (place + 1) * NS_PER_S
         inputs: list[object] = []
         if len(waiting) == DELAY:
-            event, label, then_ns = waiting.popleft()
-            inputs.append(
-                Outcome(id=event, topic="outcome", entity="rows", label=label, at_ns=then_ns, event=event, source="rows")
-            )
+            event, label = waiting.popleft()
+            # The world shows it now: an outcome that lay at its event's own instant would not be of that event.
+            inputs.append(Outcome(id=event, topic="outcome", entity="rows", label=label, at_ns=at_ns, event=event, source="rows"))
         fields = dict(zip(names, values, strict=True))
         inputs.append(Draft(kind="row", entity="rows", source="rows", position=place, at_ns=at_ns, fields=fields))
         inputs.append(Mark(source="rows", position=place))
         lines = driver.put(inputs, at_ns)  # type: ignore[arg-type]
         event = next(line.record.event.id for line in lines if isinstance(line.record, Admitted))
-        waiting.append((event, rows.y[place], at_ns))
+        waiting.append((event, rows.y[place]))
     driver.close()
     spent_s = time.process_time() - began_s
     return {"method": "wakeful", **_told(rows, journal), "cpu_us": 1e6 * spent_s / len(rows.y)}

@@ -16,6 +16,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning
+from wakeful.learning.recent import Recent
 from wakeful.registration import Sources, SpecRegistrar
 from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
@@ -44,6 +45,7 @@ CLASSES: dict[str, type] = {
         Learning,
         Episodes,
         Exemplars,
+        Recent,
         Cells,
         Counsel,
         Revision,
@@ -61,6 +63,7 @@ ROOMS = {
     "_learning": Learning,
     "_episodes": Episodes,
     "_exemplars": Exemplars,
+    "_recent": Recent,
     "_cells": Cells,
     "_counsel": Counsel,
     "_revision": Revision,

@@ -16,6 +16,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning
+from wakeful.learning.recent import Recent
 from wakeful.revision import Debts, Revision
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.selection.guarantee import Guarantee
@@ -27,7 +28,8 @@ class Folding:
 
     Args:
         keep_events: so many admitted events stay in memory, for late outcomes and reopening.
-        admission, processes, validation, learning, exemplars, cells, episodes, counsel, guarantee, revision, debts: the rooms.
+        admission, processes, validation, learning, exemplars, recent, cells, episodes, counsel, guarantee, revision, debts:
+            the rooms.
     """
 
     def __init__(
@@ -39,6 +41,7 @@ class Folding:
         validation: Validation,
         learning: Learning,
         exemplars: Exemplars,
+        recent: Recent,
         cells: Cells,
         episodes: Episodes,
         counsel: Counsel,
@@ -53,6 +56,7 @@ class Folding:
         self._validation = validation
         self._learning = learning
         self._exemplars = exemplars
+        self._recent = recent
         self._cells = cells
         self._episodes = episodes
         self._counsel = counsel
@@ -73,6 +77,7 @@ class Folding:
         else:
             self._learning.apply(record)
             self._exemplars.apply(record)
+            self._recent.apply(record)
         self._episodes.apply(record)
         self._counsel.apply(record)
         if self._guarantee is not None:
@@ -93,6 +98,7 @@ class Folding:
                 self._validation.covered(event, burst.process)
                 self._episodes.admit(event)
                 self._exemplars.covered(burst.process, burst.choice)
+                self._recent.covered(burst.process, burst.choice)
                 self._revision.covered(burst)
             case Inquired():
                 self._processes.inquired(burst, now_ns)
@@ -133,4 +139,5 @@ class Folding:
         if event is not None:
             self._learning.gain(experience, event)
             self._exemplars.gain(experience, event)
+            self._recent.gain(experience, event)
             self._cells.gain(experience.id, event, cell)

@@ -51,6 +51,7 @@ from wakeful.learning.counsel import Counsel
 from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
+from wakeful.learning.recent import Recent
 from wakeful.parking import Parking
 from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Debts, Revision
@@ -118,6 +119,7 @@ class Kernel:
         self._selector = Selector(spec, options, learner, gate, self._guarantee)
         self._episodes = Episodes(self._selector.encode, settings.episodes, encode_many=self._selector.encode_many)
         self._exemplars = Exemplars(self._selector.encode, options, spec.outcome.labels)
+        self._recent = Recent(self._selector.encode, self._selector.encode_many, spec.outcome.labels)
         shelf = EvidenceShelf({each.topic: to_ns(each.keep_s) for each in spec.evidence}, to_ns(settings.keep_evidence_s))
         self._scheduler = Scheduler(self, policy, registry, spec, options, shelf)
         self._validation = Validation(spec)
@@ -139,6 +141,7 @@ class Kernel:
             validation=self._validation,
             learning=self._learning,
             exemplars=self._exemplars,
+            recent=self._recent,
             cells=self._cells,
             episodes=self._episodes,
             counsel=self._counsel,
@@ -373,7 +376,7 @@ class Kernel:
         seen = self._foreseen.get(id(draft))
         if seen is None:
             seen = self._selector.see(event)
-        if seen is not None:
+        if seen is not None and not self._recent.heard:
             nearest = self._nearest(event, seen)
             choice = self._selector.choose(seen, self._revision.level(seen[0].treatment, nearest), nearest)
             if choice is not None and not self._contested(event):
@@ -402,8 +405,12 @@ class Kernel:
         nearest = self._nearest(event, seen)
         card = self._selector.card
         watermark = card.watermark if card is not None else 0
-        decision = self._selector.decide(event, self._revision.levels(nearest), nearest, watermark, seen)
-        if decision.mode == "auto" and not self._contested(event):
+        joined = self._joined(event, seen)
+        decision = self._selector.decide(event, self._revision.levels(nearest), nearest, watermark, joined)
+        if joined is not seen and seen is not None:
+            own = self._selector.forecast(seen)
+            decision = msgspec.structs.replace(decision, foretold=own, reasons=(*decision.reasons, self._recent.says(own)))
+        if self._recent.outdoes_memory or (decision.mode == "auto" and not self._contested(event)):
             return decision
         made = with_memory(decision, self._exemplars.recall(self._selector.encode(event), self._selector.predictor))
         return made if self._guarantee is None else self._guarantee.hold(decision, made)
@@ -412,6 +419,13 @@ class Kernel:
         """Whether memory holds otherwise than the model of events like it, so that it is asked however sure the model is."""
         predictor = self._selector.predictor
         return self._exemplars.disputes(predictor) and self._exemplars.contested(self._selector.encode(event), predictor)
+    def _joined(self, event: Event, seen: Seen | None) -> Seen | None:
+        """What the model says of the event, its forecast joined by recent experience where that has proved to know better."""
+        predictor = self._selector.predictor
+        if seen is None or predictor is None or not self._recent.heard or predictor.labels != self._recent.labels:
+            return seen
+        return self._selector.joined(seen, self._recent.join(seen[2], self._selector.encode(event)))
+
 
     def _nearest(self, event: Event, seen: Seen | None) -> tuple[int, ...]:
         """The experiences that a decision rests on: of the event's cell, where the model has cells, else the likest of all."""

@@ -71,3 +71,5 @@ class Decision(Fact, frozen=True):
     """What the guarantee gate did; None under the other gates, and for what novelty, trust or lack of experience held back."""
     recalled: int = 0
     """The id of the exemplar that the decision rests on; 0 where nothing sufficiently similar was remembered."""
+    foretold: dict[str, float] = {}
+    """What the model alone forecast, where ``prior`` is memory's, or joined by recent experience; else empty."""

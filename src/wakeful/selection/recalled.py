@@ -67,6 +67,7 @@ def with_memory(decision: Decision, recalled: Recollection | None) -> Decision:
             trust=round(max(decision.gate.trust, recalled.share), 6),
         ),
         prior=prior,
+        foretold=decision.foretold or (decision.prior if decision.model and prior is not decision.prior else {}),
         rests_on=recalled.experiences,
     )
 

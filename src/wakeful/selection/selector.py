@@ -174,6 +174,18 @@ class Selector:
             return None
         return self._foresight.see(alone(self._predictor.estimate(self.encode(event))))[0]
 
+    def forecast(self, seen: Seen) -> dict[str, float]:
+        """What the model version in use alone forecasts of the event; empty where none is in use."""
+        if self._predictor is None:
+            return {}
+        return dict(zip(self._predictor.labels, of_one(seen).labels.tolist(), strict=True))
+
+    def joined(self, seen: Seen, labels: Vector) -> Seen:
+        """The same with another forecast, over the model version's labels, shape (l,), in place of the model's own."""
+        if self._foresight is None:
+            return seen
+        return self._foresight.see(alone(msgspec.structs.replace(of_one(seen), labels=labels)))[0]
+
     def cells(self, events: Sequence[Event]) -> list[int]:
         """The cells of the model's experience in which these events lie; -1 for all where it has none, or no model is in use."""
         if not isinstance(self._predictor, RowPredictor) or not events:
