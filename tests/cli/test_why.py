@@ -5,8 +5,18 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
+
 from tests.cli.conftest import Wakeful, written
 from tests.journal.builder import Book
+from wakeful.domains import load
+from wakeful.facts.events import Relation
+from wakeful.facts.inputs import TrainingJob
+from wakeful.learning.forest import ForestSettings
+from wakeful.learning.pooled import Pooled, PooledSettings
+from wakeful.learning.rule_search import SearchSettings
+from wakeful.selection.features import Encoder
+from wakeful.treatments.registry import Registry
 
 
 def test_the_story_names_candidates_gate_requests_result_and_what_happened_since(
@@ -107,3 +117,32 @@ def test_weights_that_are_damaged_leave_the_rest_of_the_story(wakeful: Wakeful, 
     assert result.exit_code == 0
     assert "cannot be recomputed" in result.stdout
     assert "joint 3 runs warm" in result.stdout
+
+
+def test_the_learned_rules_that_spoke_are_said_in_words(wakeful: Wakeful, tmp_path: Path) -> None:
+    shipped = load("service_robot").spec
+    encoder = Encoder(shipped, shipped.treatments or Registry().names())
+    # What has changed, as the event has, needs a diagnosis; anything else memory.
+    x = np.random.default_rng(0).random((60, encoder.size)).round()
+    x[:, encoder.relations[Relation.CHANGED]] = np.tile([1.0, 0.0, 0.0], 20)
+    none = np.full(60, -1)
+    job = TrainingJob(
+        training=1, base_version=0, base_weights=b"", watermark=60, seed=0, epochs=2, treatments=("diagnosis", "memory"),
+        labels=shipped.outcome.labels, features=x, treatment=np.tile([0, 1, 1], 20), result=none, refuted=none, weight=np.ones(60),
+        held_back=np.arange(60) % 4 == 0,
+    )  # fmt: skip
+    quick = PooledSettings(
+        rules=SearchSettings(chains=1, steps=120, steps_again=40), forest=ForestSettings(rounds=4), joined_from=10
+    )
+    book = Book(domain="service_robot", domain_version=shipped.version)
+    book.train(1, 0, 1, weights=Pooled(quick).train(job)[1])
+    process = book.admit(mode="auto", model=1)
+    told = " ".join(
+        wakeful(
+            "why", book.event_of(process), "--journal", written(list(book.lines()), tmp_path / "w.db", book.blobs)
+        ).stdout.split()
+    )
+    assert "against memory, in nats: network" in told
+    assert "learned rules that spoke" in told
+    assert "relation is changed: diagnosis with 0.9" in told
+    assert "from 20 experiences" in told

@@ -51,7 +51,7 @@ def raw(value: object) -> Raw:
 class Book:
     """A journal being written in legal lines. Each method appends what the kernel would; ``now_s`` is kernel time."""
 
-    def __init__(self, source: str = "arm.xlsx", domain: str = "arm") -> None:
+    def __init__(self, source: str = "arm.xlsx", domain: str = "arm", domain_version: int = 1) -> None:
         self.written: list[Line] = []
         self.blobs: dict[str, bytes] = {}
         self.now_s = 0.0
@@ -59,7 +59,7 @@ class Book:
         self._events: dict[int, str] = {}
         self._seqs: dict[int, int] = {}
         self._experiences = 0
-        self.write(Opened(source=source, digest="d1", domain=domain, domain_version=1, offset_ns=0, seed=0))
+        self.write(Opened(source=source, digest="d1", domain=domain, domain_version=domain_version, offset_ns=0, seed=0))
 
     def lines(self, after: int = 0) -> Iterator[Line]:
         """The Readable protocol."""
@@ -237,7 +237,7 @@ class Book:
         )
         return self._experiences
 
-    def train(self, training: int, base: int, version: int, accepted: bool = True) -> None:
+    def train(self, training: int, base: int, version: int, accepted: bool = True, weights: bytes = b"") -> None:
         """A training is asked for and, two seconds later, answered."""
         self.write(
             TrainingAsked(
@@ -250,7 +250,7 @@ class Book:
             )
         )
         self.wait(2)
-        weights = f"weights of version {version}".encode()
+        weights = weights or f"weights of version {version}".encode()
         name = blake2b(weights, digest_size=16).hexdigest()
         self.blobs[name] = weights
         card = ModelCard(

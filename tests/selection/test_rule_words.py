@@ -51,4 +51,4 @@ def test_a_shifted_limit_holds_of_the_values_where_it_holds_of_the_columns() -> 
 def test_a_rule_joins_what_it_asks_and_the_last_resort_says_so() -> None:
     asks = (Ask(column=at("state=normal"), limit=0.5, above=True), Ask(column=at("load"), limit=0.6, above=False))
     assert WORDS.rule(HeardRule(asks=asks, heard=1.0, share=0.9, support=12)) == "state is normal and load ≤ 6"
-    assert WORDS.rule(HeardRule(asks=(), heard=1.0, share=0.9, support=12)) == "no rule of a list holds"
+    assert WORDS.rule(HeardRule(asks=(), heard=1.0, share=0.9, support=12)) == "none of a list's rules holds"

@@ -25,7 +25,7 @@ class RuleWords:
 
     def rule(self, rule: HeardRule) -> str:
         """What the rule asks, all of which holds for the event."""
-        return " and ".join(self.ask(each) for each in rule.asks) or "no rule of a list holds"
+        return " and ".join(self.ask(each) for each in rule.asks) or "none of a list's rules holds"
 
     def ask(self, ask: Ask) -> str:
         """One clause: a category, a number against a limit, or a number shifted by another against a limit."""
