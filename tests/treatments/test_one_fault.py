@@ -60,7 +60,7 @@ def test_a_learned_table_names_the_bounds_that_tell_the_faults_apart_and_finds_t
         ({"force": random.gauss(10.0 if name == "jam" else 3.0, 1.0), "noise": random.gauss(0.0, 1.0)}, name)
         for name in (random.choice(("jam", "slip")) for _ in range(200))
     ]
-    table = learn_faults(cases[:100], symptoms=4)
+    table = learn_faults(cases[:100])
     assert [fault.name for fault in table] == ["jam", "slip"]
     assert next(iter(table[0].causes)).startswith("force>")
     model = OneFault(table)
@@ -73,6 +73,83 @@ def test_a_learned_table_names_the_bounds_that_tell_the_faults_apart_and_finds_t
         posterior = model.posterior(findings)
         right += max(posterior, key=lambda each: posterior[each]) == name
     assert right >= 97
+
+
+def test_bounds_that_one_value_passes_are_one_finding() -> None:
+    """Three bounds passed say no more than the highest of them."""
+    causes = ({"x>1": 0.9, "x>2": 0.8, "x>3": 0.6}, {"x>1": 0.5, "x>2": 0.4, "x>3": 0.3})
+    model = OneFault([Fault(name=str(place), prior=0.5, causes=row) for place, row in enumerate(causes)])
+    assert model.posterior({"x>1": True, "x>2": True, "x>3": True}) == pytest.approx(model.posterior({"x>3": True}))
+    between = model.posterior({"x>1": True, "x>2": True, "x>3": False})
+    assert between["0"] == pytest.approx(0.2 / (0.2 + 0.1))
+    below = OneFault([Fault(name="low", prior=1.0, causes={"x<1": 0.2, "x<2": 0.7})])
+    assert below.look_for(("x<1",), {"x<2": True})["x<1"][0] == pytest.approx(0.2 / 0.7)
+    assert below.look_for(("x<2",), {"x<1": True})["x<2"][0] > 0.99
+
+
+@given(st.permutations(["x>1", "x>2", "x>3"]), st.integers(0, 3))
+def test_the_order_of_findings_does_not_matter_and_a_bound_that_a_fault_leaves_out_is_never_less_likely(
+    order: list[str], passed: int
+) -> None:
+    model = OneFault(
+        [Fault(name="a", prior=0.6, causes={"x>3": 0.9}), Fault(name="b", prior=0.4, causes={"x>1": 0.5, "x>2": 0.2})]
+    )
+    findings = {symptom: int(symptom[-1]) <= passed for symptom in order}
+    assert model.posterior(findings) == pytest.approx(model.posterior(dict(sorted(findings.items()))))
+    if passed == 3:
+        assert model.posterior(findings)["a"] > 0.9
+
+
+def test_a_learned_table_tells_a_fault_in_the_middle_from_those_on_both_sides() -> None:
+    random = Random(5)
+    middle = {"low": -4.0, "mid": 0.0, "high": 4.0}
+    cases = [({"x": random.gauss(middle[name], 1.0)}, name) for name in (random.choice(list(middle)) for _ in range(300))]
+    table = {fault.name: fault for fault in learn_faults(cases)}
+    assert len(table["mid"].causes) == 2
+    first, second = table["mid"].causes.values()
+    assert first > 0.9 > 0.1 > second
+
+
+def test_a_field_that_tells_nothing_stands_in_no_row_and_few_cases_get_one_bound_a_field() -> None:
+    random = Random(6)
+    cases = [({"x": random.random(), "y": float(number % 2)}, ("a", "b")[number % 2]) for number in range(100)]
+    assert set(learn_faults(cases)[0].causes) == {"y>0.5"}
+    assert set(learn_faults(cases[:2])[0].causes) == {f"x>{(cases[0][0]['x'] + cases[1][0]['x']) / 2:.6g}", "y>0.5"}
+
+
+def test_fields_that_say_the_same_thing_many_times_do_not_make_it_surer() -> None:
+    """Forty copies of one doubtful sign: a table that took each for news would be certain, and wrong in every fifth case."""
+    random = Random(7)
+
+    def case(number: int) -> tuple[dict[str, float], str]:
+        name = ("a", "b")[number % 2]
+        shown = float((name == "a") == (random.random() < 0.8))
+        return {f"copy{place:02}": shown for place in range(40)}, name
+
+    model = OneFault(learn_faults([case(number) for number in range(200)]))
+    sure = model.posterior(dict.fromkeys(model.symptoms, True))["a"]
+    assert len(model.symptoms) == 40
+    assert 0.6 < sure < 0.995
+
+
+def test_cases_of_one_run_are_held_back_together() -> None:
+    """Within a run everything looks alike; between runs the field says nothing: only who holds back whole runs can see that."""
+    random = Random(8)
+    cases, runs = [], []
+    for run in range(6):
+        name, level = ("a", "b")[run % 2], random.random()
+        cases += [({f"x{place}": level + random.gauss(0.0, 0.001) for place in range(10)}, name) for _ in range(30)]
+        runs += [str(run)] * 30
+
+    def spread(table: tuple[Fault, ...]) -> float:
+        return max(abs(table[0].causes[symptom] - table[1].causes[symptom]) for symptom in table[0].causes)
+
+    assert spread(learn_faults(cases, runs)) < 0.5 * spread(learn_faults(cases))
+
+
+def test_a_field_that_some_cases_lack_is_learned_from_the_others() -> None:
+    cases = [({"x": float(number % 2)} if number % 3 else {}, ("a", "b")[number % 2]) for number in range(60)]
+    assert set(learn_faults(cases)[0].causes) == {"x>0.5"}
 
 
 def test_no_case_no_table() -> None:

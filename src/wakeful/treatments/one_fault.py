@@ -1,23 +1,36 @@
 """Exact inference where exactly one of the table's faults is there, or none: a small Bayesian model with one hidden variable.
 
-Given the fault, symptoms are independent: P(symptom | fault) is what the table says, or the leak where it says nothing. Any
-number of findings costs the same. Source: Pearl, *Probabilistic Reasoning in Intelligent Systems* (1988), Section 2.3.
+Given the fault, fields are independent: P(symptom | fault) is what the table says, or the leak where it says nothing. Bounds on
+one and the same field (``load>0.3``, ``load>0.7``) are read as what they are, its distribution: between two of them lies a share
+of its own, so that three bounds passed are one finding and not three. Any number of findings costs the same.
+Source: Pearl, *Probabilistic Reasoning in Intelligent Systems* (1988), Section 2.3.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wakeful.facts.domain import DomainSpec, Fault
 from wakeful.treatments.noisy_or import Findings, Network
+from wakeful.treatments.symptoms import split
 
 Floats = NDArray[np.float64]
 
 #: No finding is ruled out by a fault, and none is certain: a table is never that sure.
 LEAST = 1e-4
+
+
+class _Bound(NamedTuple):
+    """One symptom among those of its field, as "beyond ``at``", and P(beyond it | fault) of each fault and of none."""
+
+    symptom: str
+    at: float
+    beyond: Floats
 
 
 class OneFault(Network):
@@ -34,10 +47,13 @@ class OneFault(Network):
         total = float(priors.sum())
         priors = priors / total if total > 1.0 else priors
         self._weights = np.append(priors, max(1.0 - float(priors.sum()), 0.0))
-        self._shows = {
-            symptom: np.clip(np.array([*(fault.causes.get(symptom, leak) for fault in faults), leak]), LEAST, 1.0 - LEAST)
-            for symptom in self.symptoms
-        }
+        grouped: dict[str, list[_Bound]] = {}
+        for symptom in self.symptoms:
+            shows = np.array([*(fault.causes.get(symptom, leak) for fault in faults), leak])
+            group, at = _place(symptom)
+            grouped.setdefault(group, []).append(_Bound(symptom, at, np.clip(shows, LEAST, 1.0 - LEAST)))
+        self._bounds = {group: _falling(bounds) for group, bounds in grouped.items()}
+        self._group = {bound.symptom: group for group, bounds in self._bounds.items() for bound in bounds}
 
     def posterior(self, findings: Findings) -> dict[str, float]:
         """P(it is this fault | findings) of each fault."""
@@ -53,9 +69,11 @@ class OneFault(Network):
         now = self._given(findings)
         found: dict[str, tuple[float, float]] = {}
         for symptom in symptoms:
-            shows = self._shows[symptom]
-            chance = float(now @ shows)
-            seen, missing = now * shows, now * (1.0 - shows)
+            group = self._group[symptom]
+            # of what is known of its field already, the part in which it is seen, and the part in which it is not
+            parts = [self._share(group, {**findings, symptom: there}) for there in (True, False)]
+            seen, missing = (now * part / (parts[0] + parts[1]) for part in parts)
+            chance = float(seen.sum())
             gain = _entropy(now)
             gain -= chance * _entropy(seen / chance) if chance > 0.0 else 0.0
             gain -= (1.0 - chance) * _entropy(missing / (1.0 - chance)) if chance < 1.0 else 0.0
@@ -65,16 +83,53 @@ class OneFault(Network):
     def _given(self, findings: Findings) -> Floats:
         with np.errstate(divide="ignore"):
             log = np.log(self._weights)
-        for symptom, seen in findings.items():
-            if symptom in self._shows:
-                log = log + np.log(self._shows[symptom] if seen else 1.0 - self._shows[symptom])
+        for group in dict.fromkeys(self._group[symptom] for symptom in findings if symptom in self._group):
+            log = log + np.log(self._share(group, findings))
         shares: Floats = np.exp(log - log.max())
         return np.asarray(shares / shares.sum())
+
+    def _share(self, group: str, findings: Mapping[str, bool]) -> Floats:
+        """P(what is known of one field | fault): what lies beyond the last bound that is passed, less what lies beyond the first
+        that is not. Bounds that contradict one another leave next to nothing.
+        """
+        passed = np.ones(len(self._weights))
+        not_passed: Floats | None = None
+        for bound in self._bounds[group]:
+            there = findings.get(bound.symptom)
+            if there and not_passed is not None:
+                return np.full(len(self._weights), LEAST)
+            if there:
+                passed = bound.beyond
+            elif there is False and not_passed is None:
+                not_passed = bound.beyond
+        return np.clip(passed if not_passed is None else passed - not_passed, LEAST, 1.0)
 
 
 def network_of(domain: DomainSpec, leak: float) -> Network:
     """The domain's fault model: independent faults (noisy-OR), or exactly one of them where the domain says so."""
     return OneFault(domain.fault, leak) if domain.one_fault else Network(domain.fault, leak)
+
+
+def _place(symptom: str) -> tuple[str, float]:
+    """Which group of bounds a symptom belongs to, and where in it; one that is no bound is a group of its own."""
+    name, sign, value = split(symptom) or (symptom, "=", "")
+    try:
+        at = float(value)
+    except ValueError:
+        return symptom, 0.0
+    if sign in (">", ">="):
+        return f"{name}>", at
+    return (f"{name}<", -at) if sign in ("<", "<=") else (symptom, 0.0)
+
+
+def _falling(bounds: Sequence[_Bound]) -> tuple[_Bound, ...]:
+    """In rising order, none less likely to be passed than one beyond it: who is past the second is past the first."""
+    found: list[_Bound] = []
+    least: Floats | float = -inf
+    for bound in sorted(bounds, key=lambda each: (-each.at, each.symptom)):
+        least = np.maximum(bound.beyond, least)
+        found.append(bound._replace(beyond=least))
+    return tuple(reversed(found))
 
 
 def _entropy(shares: Floats) -> float:
