@@ -10,38 +10,15 @@ from __future__ import annotations
 import sys
 from statistics import fmean
 
-from wakeful.contracts.learner import Learner, Predictor
+from wakeful.contracts.learner import Learner
 from wakeful.experiments.exp3_learning import figures, run
-from wakeful.experiments.exp3_wakeful import EXPERTS, Wakeful
+from wakeful.experiments.exp3_wakeful import Once, Wakeful
 from wakeful.experiments.worlds.service_drift import CLEAN, JITTER, NOISY, Variant, world
-from wakeful.facts.experience import ModelCard
-from wakeful.facts.inputs import TrainingJob
 from wakeful.learning.belief import Expected
 from wakeful.learning.pooled import Pooled
 
 SEEDS = range(1000, 1020)
 PAIRS = tuple(Expected(noise, change) for noise in (0.15, 1.0) for change in (0.004, 0.01, 0.03, 1.0))
-
-
-class Once:
-    """A learner that trains each job once: all pairs of constants start from the same models."""
-
-    name = "once"
-
-    def __init__(self, learner: Learner) -> None:
-        self._learner = learner
-        self._done: dict[tuple[int, bytes, bytes], tuple[ModelCard, bytes]] = {}
-
-    def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
-        """The learner's, or what it gave for the same rows."""
-        key = (job.seed, bytes(memoryview(job.features).tobytes()), bytes(memoryview(job.result).tobytes()))  # type: ignore[arg-type]
-        if key not in self._done:
-            self._done[key] = self._learner.train(job)
-        return self._done[key]
-
-    def load(self, weights: bytes) -> Predictor:
-        """The learner's."""
-        return self._learner.load(weights)
 
 
 def joint(variant: Variant, expected: Expected, learner: Learner) -> float:
@@ -55,7 +32,7 @@ def joint(variant: Variant, expected: Expected, learner: Learner) -> float:
 
 def main() -> None:
     """Print a line per pair."""
-    learner = Once(Pooled(EXPERTS))
+    learner = Once(Pooled())
     for expected in PAIRS:
         parts = [f"{variant.name} {joint(variant, expected, learner):.2f}" for variant in (CLEAN, NOISY, JITTER)]
         sys.stdout.write(f"noise {expected.noise:g}, change {expected.change:g}: {', '.join(parts)}\n")

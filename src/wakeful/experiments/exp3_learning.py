@@ -15,13 +15,15 @@ from functools import partial
 from multiprocessing import get_context
 from statistics import fmean
 
+from wakeful.contracts.learner import Learner
 from wakeful.experiments.exp3_baselines import AlwaysLLM, Method, Said, TwoHeaded
 from wakeful.experiments.exp3_figures import draw
 from wakeful.experiments.exp3_trust import Course, courses, told_of
-from wakeful.experiments.exp3_wakeful import Wakeful
+from wakeful.experiments.exp3_wakeful import Once, Wakeful
 from wakeful.experiments.rows import Progress, Reproduced, Row, row
 from wakeful.experiments.worlds.service_drift import REPETITIONS, VARIANTS, DriftWorld, Met, Stage, Variant, world
 from wakeful.facts.values import Fact
+from wakeful.learning.pooled import Pooled
 
 #: The project's ten seeds: of the first 200, those whose worlds are the most typical in what they contain.
 #: No method had run on them then.
@@ -90,10 +92,10 @@ def run(method: Method, of: DriftWorld) -> Iterator[Said]:
         method.learn(earlier, of.stream[earlier], said[earlier])
 
 
-def one(name: str, variant: Variant, seed: int) -> Measured:
-    """One method on one world."""
+def one(name: str, variant: Variant, seed: int, learner: Learner | None = None) -> Measured:
+    """One method on one world; ``learner`` is ``wakeful``'s, where it is not one of its own."""
     of = world(variant, seed)
-    method = METHODS[name](of)
+    method = Wakeful(of, learner) if name == "wakeful" else METHODS[name](of)
     if not isinstance(method, Wakeful):
         said = list(run(method, of))
         return Measured(figures=figures(of, said), courses=courses(of, said))
@@ -154,8 +156,9 @@ def _percent(flags: Iterable[bool]) -> float | None:
 
 
 def of_seed(seed: int, methods: Sequence[str], variants: Sequence[Variant]) -> dict[tuple[str, str], Measured]:
-    """Every method on every variant of one seed's world."""
-    return {(name, variant.name): one(name, variant, seed) for variant in variants for name in methods}
+    """Every method on every variant of one seed's world. What is the same before the stream, is trained once."""
+    learner = Once(Pooled())
+    return {(name, variant.name): one(name, variant, seed, learner) for variant in variants for name in methods}
 
 
 def measure_all(

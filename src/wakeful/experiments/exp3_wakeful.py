@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from hashlib import blake2b
 
 import msgspec
 import numpy as np
 
-from wakeful.contracts.learner import Learner
+from wakeful.contracts.learner import Learner, Predictor
 from wakeful.experiments.exp1_events import spec as objects
 from wakeful.experiments.exp3_baselines import Said
 from wakeful.experiments.exp3_reasoner import DriftReasoner
@@ -22,13 +23,14 @@ from wakeful.experiments.worlds.service_events import TREATMENTS
 from wakeful.facts.decisions import Decision
 from wakeful.facts.domain import DomainSpec, FieldSpec
 from wakeful.facts.events import Context, Event, Relation
-from wakeful.facts.experience import Experience, Verdict
+from wakeful.facts.experience import Experience, ModelCard, Verdict
+from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.lines import Decided, Gained, Published, TrainingAsked
 from wakeful.facts.time import NS_PER_S, Stamp
 from wakeful.learning.belief import Expected
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
-from wakeful.learning.pooled import Pooled, PooledSettings
+from wakeful.learning.pooled import Pooled
 from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import SelectionSettings, Selector
 
@@ -38,8 +40,6 @@ GATE = SelectionSettings(thresholds="fixed", confidence=0.5, result_confidence=0
 
 PLAN = LearningSettings(held_back=0.0, every=64, growth=0.0, contradiction_counts=1)
 """A new model version after 64 validations, from all of them: what cannot wait is memory's. Nothing is held back of so few."""
-EXPERTS = PooledSettings(joined_from=0)
-"""All of the pooled learner's experts are heard from the start: the materials are validated, and none of them is held back."""
 _RELATIONS = {"none": Relation.NEW, "unchanged": Relation.UNCHANGED, "moved": Relation.MOVED}
 
 
@@ -78,6 +78,32 @@ def event(met: Met, number: int) -> Event:
     )
 
 
+class Once:
+    """A learner that trains an equal job once: three of the variants begin with the same materials.
+
+    Args:
+        learner: whose trainings they are; the same job gives the same bytes.
+    """
+
+    def __init__(self, learner: Learner) -> None:
+        self.name = learner.name
+        self._learner = learner
+        self._done: dict[bytes, tuple[ModelCard, bytes]] = {}
+
+    def train(self, job: TrainingJob) -> tuple[ModelCard, bytes]:
+        """As the learner does."""
+        told = (getattr(job, name) for name in job.__struct_fields__)
+        parts = [each.tobytes() if isinstance(each, np.ndarray) else repr(each).encode() for each in told]
+        key = blake2b(b"|".join(parts)).digest()
+        if key not in self._done:
+            self._done[key] = self._learner.train(job)
+        return self._done[key]
+
+    def load(self, weights: bytes) -> Predictor:
+        """As the learner does."""
+        return self._learner.load(weights)
+
+
 class Wakeful:
     """One mind: the rooms from selection to learning, without the kernel's processes, which this experiment doesn't vary.
 
@@ -89,7 +115,7 @@ class Wakeful:
 
     def __init__(self, world: DriftWorld, learner: Learner | None = None, expected: Expected | None = None) -> None:
         self._reasoner = DriftReasoner(world)
-        self._learner = learner or Pooled(EXPERTS)
+        self._learner = learner or Pooled()
         self._selector = Selector(spec(), TREATMENTS, self._learner, GATE)
         self.memory = Exemplars(self._selector.encode, TREATMENTS, OUTCOMES, expected=expected)
         plan = msgspec.structs.replace(PLAN, seed=world.seed)

@@ -35,6 +35,17 @@ class Material(msgspec.Struct, frozen=True, kw_only=True):
             result_weight=self.result_weight[chosen],
         )
 
+    def part(self, begin: int, end: int) -> Material:
+        """The rows from ``begin`` up to ``end``, sharing memory."""
+        return Material(
+            x=self.x[begin:end],
+            treatment=self.treatment[begin:end],
+            result=self.result[begin:end],
+            refuted=self.refuted[begin:end],
+            weight=self.weight[begin:end],
+            result_weight=self.result_weight[begin:end],
+        )
+
 
 def material_of(job: TrainingJob, half_life: float | None) -> tuple[Material, Flags]:
     """A job's rows, checked, and which of them are held back.

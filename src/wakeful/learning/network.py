@@ -206,11 +206,11 @@ def train(theta: Floats, shape: Shape, material: Material, fit: Fit) -> Iterator
     random = np.random.default_rng((fit.seed, 2))
     n, h, kept = len(material.x), shape.hidden, 1.0 - fit.dropout
     for _ in range(fit.epochs):
-        order = random.permutation(n)
+        shuffled = material.rows(random.permutation(n))
         masks = (random.random((n, 2 * h)) < kept) / kept if fit.dropout > 0.0 else None
         for begin in range(0, n, fit.batch):
-            rows = order[begin : begin + fit.batch]
+            batch = shuffled.part(begin, begin + fit.batch)
             keep = None if masks is None else (masks[begin : begin + fit.batch, :h], masks[begin : begin + fit.batch, h:])
-            gradient(parts, material.rows(rows), fit, keep, into)
+            gradient(parts, batch, fit, keep, into)
             optimiser.step(theta, slope)
         yield theta

@@ -24,11 +24,14 @@ _NEGLIGIBLE = 0.02
 _NETWORK_ALONE = np.array([1.0, 0.0, 0.0])
 
 
+_NOTHING_HELD_BACK = 5
+"""So many times ``joined_from`` rows without a held-back one are no accident: whoever made the plan vouches for its material."""
 class PooledSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """``joined``: with False the network is trained alone, whatever it goes on from. ``prior`` are the weights of network, rules
     and forest without any held-back row, ``ridge`` what it takes, in nats, to move a weight by 1 (docs/selector_choice.md).
     ``joined_from``: with fewer held-back rows of known treatment the network alone is heard: lists are sure from the first few
-    experiences on, and nobody could yet tell whether rightly so."""
+    experiences on, and nobody could yet tell whether rightly so. Where nothing at all is held back, five times as many
+    will do."""
 
     joined: bool = True
     network: TwoHeadsSettings = TwoHeadsSettings()
@@ -76,7 +79,7 @@ class Pooled(TwoHeads):
         logs = np.concatenate([logs_of(p)[None], PanelReader(tested).logs_many(kept.x)]) if len(kept.x) else np.zeros((3, 0, 1))
         weights = weigh(logs, kept.treatment, kept.weight, np.array(own.prior), own.ridge)
         weights = np.where(weights < _NEGLIGIBLE, 0.0, weights)
-        if int((kept.treatment >= 0).sum()) < own.joined_from or not weights.any():
+        if not (self._heard(learned, kept) and weights.any()):
             weights = _NETWORK_ALONE
         shares = (pooled(logs, weights), q) if len(kept.x) else (p, q)
         blob = pooled_to_bytes(PooledModel(network=model, tested=tested, whole=whole, weights=tuple(weights.tolist())))
@@ -101,6 +104,12 @@ class _Champion(msgspec.Struct, frozen=True):
 def _loaded(weights: bytes) -> _Champion:
     if not is_pooled(weights):
         return _Champion(from_bytes(weights))
+    def _heard(self, learned: Material, kept: Material) -> bool:
+        """Whether lists and trees are heard: there is enough to judge them by, or a plan that holds nothing back at all."""
+        least = self.pooling.joined_from
+        told = int((learned.treatment >= 0).sum())
+        return int((kept.treatment >= 0).sum()) >= least if len(kept.x) else told >= _NOTHING_HELD_BACK * least
+
     model = pooled_from_bytes(weights)
     return _Champion(model.network, model.tested, model.weights)
 
