@@ -128,8 +128,8 @@ def test_the_learned_rules_that_spoke_are_said_in_words(wakeful: Wakeful, tmp_pa
     none = np.full(60, -1)
     job = TrainingJob(
         training=1, base_version=0, base_weights=b"", watermark=60, seed=0, epochs=2, treatments=("diagnosis", "memory"),
-        labels=shipped.outcome.labels, features=x, treatment=np.tile([0, 1, 1], 20), result=none, refuted=none, weight=np.ones(60),
-        held_back=np.arange(60) % 4 == 0,
+        labels=shipped.outcome.labels, features=x, treatment=np.tile([0, 1, 1], 20), result=none, refuted=none,
+        weight=np.ones(60), held_back=np.arange(60) % 4 == 0,
     )  # fmt: skip
     quick = PooledSettings(
         rules=SearchSettings(chains=1, steps=120, steps_again=40), forest=ForestSettings(rounds=4), joined_from=10

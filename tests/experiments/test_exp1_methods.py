@@ -46,7 +46,7 @@ def ten() -> dict[str, list[Measured]]:
     with Asking("stand-in") as asking:
         for seed in SEEDS:
             given = trial(world(A, seed), asking)
-            alone, _ = networked(given)
+            alone, *_ = networked(given)
             for name, choices in (
                 ("task_only", task_only(given)),
                 ("fixed", fixed(given)),

@@ -12,6 +12,7 @@ import click
 from wakeful.contracts.bridge import SourceError
 from wakeful.contracts.domain import DomainError
 from wakeful.contracts.journal import JournalError
+from wakeful.contracts.learner import MissingLearner
 from wakeful.journal.export import MissingExtra
 from wakeful.journal.wording.words import plain
 
@@ -50,7 +51,7 @@ class OneLine(click.Group):
             _end("interrupted", INTERRUPTED)
         except click.ClickException as error:
             _end(error.format_message(), error.exit_code)
-        except (JournalError, SourceError, DomainError, MissingExtra) as error:
+        except (JournalError, SourceError, DomainError, MissingExtra, MissingLearner) as error:
             _end(str(error), FAILED)
         except BrokenPipeError:
             # Whoever read our output has gone; what is left in the buffer must not complain either.

@@ -108,10 +108,11 @@ class Speed(click.ParamType[float]):
 )
 @option(
     "--learner",
-    type=click.Choice(["two_heads", "pooled"]),
+    type=click.Choice(["two_heads", "pooled", "boosted"]),
     default="two_heads",
     show_default=True,
-    help="What is trained to select treatments: the network alone, or joined by decision lists and trees.",
+    help="What is trained to select treatments: the network alone, or joined by decision lists and trees; boosted: "
+    "LightGBM's trees in place of wakeful's own (extra boosting).",
 )
 @option(
     "--gate",

@@ -14,6 +14,10 @@ from wakeful.facts.inputs import TrainingJob
 Vector = NDArray[np.float64]
 
 
+class MissingLearner(Exception):
+    """A learner wants a package that is not installed. The message names the extra that brings it."""
+
+
 class Estimate(msgspec.Struct, frozen=True):
     """F_θ(e): calibrated probabilities over treatments (k,) and outcome labels (l,), and novelty in [0, 1].
 

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from wakeful.contracts.domain import Domain
 from wakeful.contracts.learner import Learner
 from wakeful.contracts.policy import Policy
 from wakeful.domains import load
-from wakeful.facts.settings import MindSettings
+from wakeful.facts.settings import MindSettings, Selecting
 from wakeful.journal.aside import AsideFile
 from wakeful.kernel import Kernel
 from wakeful.learning.pooled import Pooled, PooledSettings
 from wakeful.scheduling.policies.deadline_aware import DeadlineAware, DeadlineAwareSettings
 from wakeful.scheduling.policies.primary_share import PrimaryShare
 from wakeful.treatments.registry import Registry
+
+POOLED: Mapping[Selecting, PooledSettings] = {
+    "two_heads": PooledSettings(joined=False),
+    "pooled": PooledSettings(),
+    "boosted": PooledSettings(trees="lightgbm"),
+}
 
 #: So many steps' time of waiting make up for one step more of work left.
 AGEING_STEPS = 160.0
@@ -40,12 +48,13 @@ def assemble(
 
     Raises:
         DomainError: there is no such domain, or it cannot be read.
+        MissingLearner: the learner that the settings name wants a package that is not installed.
         ValueError: the settings' ``primary_share`` is no share.
     """
     found = load(domain) if isinstance(domain, str) else domain
     thinks = settings if settings is not None else MindSettings()
-    # Either reads the other's models, so that a journal can go on with another learner.
-    trains = learner if learner is not None else Pooled(PooledSettings(joined=thinks.learner == "pooled"))
+    # Each reads the others' models, so that a journal can go on with another learner.
+    trains = learner if learner is not None else Pooled(POOLED[thinks.learner])
     shares = policy if policy is not None else _default_policy(thinks)
     if thinks.primary_share:
         shares = PrimaryShare(shares, thinks.primary_share, thinks.primary_quantum_s)

@@ -27,6 +27,8 @@ class Choice(Fact, frozen=True):
     confidence: float | None = None
     learned: str = ""
     """What the learned part would have chosen, asked or not."""
+    guaranteed: bool = False
+    """Whether the guarantee gate would have let it be automatic (``exp1_guaranteed``)."""
 
 
 class Trial(Fact, frozen=True):
@@ -100,12 +102,13 @@ def paper_network(world: World) -> Callable[[tuple[Case, ...]], Vector]:
     return lambda cases: softmax(logits(theta, shape, paper_inputs(cases))[0])
 
 
-def networked(given: Trial) -> tuple[list[Choice], list[Choice]]:
-    """``dl_only`` and ``proposed``: the same trained network, alone and with doubtful events left to the reasoner."""
+def networked(given: Trial) -> tuple[list[Choice], list[Choice], list[Choice]]:
+    """``dl_only`` and ``proposed``: the same trained network, alone and with doubtful events left to the reasoner; and what it
+    says of the calibration events."""
     probabilities = paper_network(given.world)
-    alone = _said(probabilities(given.world.test))
-    threshold = paper_threshold(given, _said(probabilities(given.world.calibration)))
-    return alone, _deferred(alone, given.test, given.advice, lambda choice: (choice.confidence or 0.0) < threshold)
+    alone, told = _said(probabilities(given.world.test)), _said(probabilities(given.world.calibration))
+    threshold = paper_threshold(given, told)
+    return alone, _deferred(alone, given.test, given.advice, lambda choice: (choice.confidence or 0.0) < threshold), told
 
 
 def paper_threshold(given: Trial, calibration: Sequence[Choice]) -> float:

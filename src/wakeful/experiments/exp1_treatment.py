@@ -14,6 +14,7 @@ from functools import partial
 
 from wakeful.experiments.exp1_asking import Asking, ReasonerName
 from wakeful.experiments.exp1_figures import draw
+from wakeful.experiments.exp1_guaranteed import guaranteed, levels, said_of
 from wakeful.experiments.exp1_methods import (
     Choice,
     Trial,
@@ -94,7 +95,8 @@ def run_all(seeds: Sequence[int], progress: Progress, asking: Asking, variants: 
 
 
 def _choices(given: Trial) -> dict[str, list[Choice]]:
-    alone, proposed = networked(given)
+    alone, proposed, told = networked(given)
+    proposed = guaranteed(proposed, levels(told, given.world.calibration))
     ours = wakeful(given)
     found = {
         "task_only": task_only(given),
@@ -131,7 +133,9 @@ def reproduce(seeds: Sequence[int], progress: Progress, reasoner: ReasonerName =
         said = [f"Deliberation: {asking.describe()}."]
     found = rows(runs)
     shape = {variant.name: _cells(runs, "wakeful", variant.name) for variant in VARIANTS}
-    return Reproduced(found, [*said, *_ceilings(runs), *_calibration(runs), *_outside(found)], partial(draw, found, shape))
+    return Reproduced(
+        found, [*said, *_ceilings(runs), *_guaranteed(runs), *_calibration(runs), *_outside(found)], partial(draw, found, shape)
+    )
 
 
 def _cells(runs: Runs, method: str, variant: str) -> list[Cell]:
@@ -158,6 +162,18 @@ def _ceilings(runs: Runs) -> list[str]:
         random = _percent(case.truth == case.ruled for cases in tests for case in cases if not case.structured)
         said.append(f"Ceiling on {variant.name}, the labelling rule itself: overall {whole:.2f} %, random {random:.2f} %.")
     return said
+
+
+def _guaranteed(runs: Runs) -> list[str]:
+    """What stands beside the shares that ``proposed`` and ``wakeful`` handle automatically by their own gates."""
+    shares = {
+        f"{method} on {variant.name}": _percent(
+            choice.guaranteed for _, choices in runs[method, variant.name] for choice in choices
+        )
+        for variant in VARIANTS
+        for method in ("proposed", "wakeful")
+    }
+    return [said_of(shares)]
 
 
 def _calibration(runs: Runs) -> list[str]:

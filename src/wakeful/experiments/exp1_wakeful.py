@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 
 from wakeful.experiments.exp1_events import events, spec
+from wakeful.experiments.exp1_guaranteed import guaranteed, levels
 from wakeful.experiments.exp1_methods import Choice, Trial
 from wakeful.experiments.worlds.service_events import TREATMENTS
 from wakeful.facts.inputs import TrainingJob
 from wakeful.learning.pooled import Pooled
+from wakeful.learning.pooled_predictor import PooledPredictor
 from wakeful.selection.selector import SelectionSettings, Selector
 
 #: Experiment 1 has no outcomes, so that the result head must not be asked for confidence, and no unfamiliar kinds of events.
@@ -34,6 +37,19 @@ def wakeful(given: Trial, identity: bool = True) -> list[Choice]:
                 confidence=decision.confidence,
             )
         )
+    return guaranteed(found, levels(_told(given, selector, identity), given.world.calibration))
+
+
+def _told(given: Trial, selector: Selector, identity: bool) -> list[Choice]:
+    """What the selector's experts say of the calibration events that have not learned from these: the published ones have."""
+    published = selector.predictor
+    assert isinstance(published, PooledPredictor)
+    blind = PooledPredictor(msgspec.structs.replace(published.model, whole=published.model.tested))
+    found = []
+    for event in events(given.world, "calibration", identity):
+        shares = blind.estimate(selector.encode(event)).treatments
+        name = TREATMENTS[int(shares.argmax())]
+        found.append(Choice(treatment=name, learned=name, confidence=round(float(shares.max()), 6)))
     return found
 
 

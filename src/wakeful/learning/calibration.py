@@ -152,9 +152,10 @@ def choose_thresholds(
 
 
 def expected_of_advice(marks: Marks, rows: Material, advised: Ints, treatments: tuple[str, ...]) -> dict[str, float]:
-    """How often deliberation is expected to be right where the model is in doubt, by the treatment that the model ranks first.
+    """How often deliberation is right at least where the model is in doubt, by the treatment that the model ranks first.
 
-    Asking pays where this exceeds the model's own confidence, and nowhere else. Learned from held-back rows on which
+    Asking pays where this exceeds the model's own confidence, and nowhere else. It is one standard deviation below what is
+    expected: a reasoner has to have shown that it does better before it is asked in earnest. Learned from held-back rows on which
     deliberation's answer was validated. A row counts as much as the model doubted it (a fiftieth at least): how the reasoner does
     on easy events says little of those that it would be asked about. Each treatment's own rate is drawn towards that of all.
 
@@ -173,8 +174,14 @@ def expected_of_advice(marks: Marks, rows: Material, advised: Ints, treatments: 
     right = (advised == rows.treatment)[known].astype(np.float64)
     doubt = np.maximum(_SURE, 1.0 - marks.confidence[known])
     pooled = (float((doubt * right).sum()) + _DOUBT * _UNTESTED) / (float(doubt.sum()) + _DOUBT)
-    rates = {POOLED: round(pooled, 6)}
+    rates = {POOLED: _at_least(pooled, float(doubt.sum()) + _DOUBT)}
     for index, name in enumerate(treatments):
         own = marks.chosen[known] == index
-        rates[name] = round((float((doubt * right)[own].sum()) + _DOUBT * pooled) / (float(doubt[own].sum()) + _DOUBT), 6)
+        cases = float(doubt[own].sum()) + _DOUBT
+        rates[name] = _at_least((float((doubt * right)[own].sum()) + _DOUBT * pooled) / cases, cases)
     return rates
+
+
+def _at_least(rate: float, cases: float) -> float:
+    """A standard deviation below the rate: that of a beta distribution which so many cases have made."""
+    return round(max(0.0, rate - math.sqrt(rate * (1.0 - rate) / (cases + 1.0))), 6)

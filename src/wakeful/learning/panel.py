@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import msgspec
@@ -12,6 +13,7 @@ from wakeful.contracts.grounds import HeardRule
 from wakeful.learning.experts import LEAST
 from wakeful.learning.forest import Forest, ForestReader, ForestSettings, fit_forest
 from wakeful.learning.material import Flags, Floats, Material
+from wakeful.learning.network import softmax
 from wakeful.learning.rule_lists import RuleLists, RuleReader, fit_rules
 from wakeful.learning.rule_search import SearchSettings
 
@@ -20,6 +22,10 @@ EXPERTS: Final = ("network", "rules", "forest")
 
 Input = tuple[int, int, float]
 """A column, another one (-1: none), and by how much the second shifts the first."""
+
+
+Grow = Callable[[Material, int, int, ForestSettings], Forest]
+"""What grows trees: on rows, for so many classes, with a seed."""
 
 
 class Panel(msgspec.Struct, frozen=True, kw_only=True):
@@ -31,19 +37,40 @@ class Panel(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def fit_panels(
-    rows: Material, held_back: Flags, classes: int, seed: int, search: SearchSettings, trees: ForestSettings
+    rows: Material,
+    held_back: Flags,
+    classes: int,
+    seed: int,
+    search: SearchSettings,
+    trees: ForestSettings,
+    grow: Grow = fit_forest,
+    wide: bool = False,
 ) -> tuple[Panel, Panel]:
     """The panel that has not seen what was held back, and the one that has learned from all.
 
     The trees see every column with two values, and of the numeric ones those alone (or those combinations of two) that the first
-    lists ask for: an identity's many numbers would otherwise be learned by heart.
+    lists ask for: an identity's many numbers would otherwise be learned by heart. With ``wide`` a second set of trees sees
+    every column, and the set is kept that foretells better what was held back.
     """
     tested, whole = fit_rules(rows, held_back, classes, seed, search)
-    inputs = _inputs(rows, tested)
-    seen = msgspec.structs.replace(rows, x=_projected(rows.x, inputs))
-    first = fit_forest(seen.rows(~held_back), classes, seed, trees)
-    again = fit_forest(seen, classes, seed, trees) if held_back.any() else first
+    every = tuple((column, -1, 0.0) for column in range(rows.x.shape[1]))
+    found = []
+    for inputs in (_inputs(rows, tested), every) if wide else (_inputs(rows, tested),):
+        seen = msgspec.structs.replace(rows, x=_projected(rows.x, inputs))
+        found.append((inputs, seen, grow(seen.rows(~held_back), classes, seed, trees)))
+    inputs, seen, first = min(found, key=lambda each: _loss(each[2], each[1].rows(held_back)))
+    again = grow(seen, classes, seed, trees) if held_back.any() else first
     return Panel(rules=tested, forest=first, inputs=inputs), Panel(rules=whole, forest=again, inputs=inputs)
+
+
+def _loss(forest: Forest, rows: Material) -> float:
+    """Mean cross-entropy on the rows whose treatment is known, by weight; 0 without any."""
+    known = (rows.treatment >= 0) & (rows.weight > 0.0)
+    if not known.any():
+        return 0.0
+    shares = softmax(ForestReader(forest).logits_many(rows.x[known]))
+    own = shares[np.arange(len(shares)), rows.treatment[known]]
+    return float(-np.average(np.log(np.maximum(own, LEAST)), weights=rows.weight[known]))
 
 
 def _inputs(rows: Material, rules: RuleLists) -> tuple[Input, ...]:

@@ -7,6 +7,7 @@ from typing import Final
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from wakeful.contracts.grounds import Ask, HeardRule
 from wakeful.learning.clauses import Clause, Clauses, as_arrays, as_bits
@@ -112,37 +113,41 @@ def _says(scores: list[float], chains: list[int]) -> tuple[float, ...]:
 
 
 class RuleReader:
-    """Reads lists for one event at a time: which clauses hold becomes one integer, and a rule is one comparison."""
+    """Reads lists for one event at a time: each different rule is asked once, of its own each list takes the first that holds."""
 
     def __init__(self, model: RuleLists) -> None:
+        self._model = model
         self._columns, self._others, self._slopes, self._limits, self._above = as_arrays(model.clauses)
         self._oblique = bool(self._slopes.any())
-        self._lists: list[tuple[list[tuple[int, int]], int]] = []
-        start = 0
-        for rules in model.lists:
-            wanted = [(sum(1 << clause for clause in set(rule)), start + place) for place, rule in enumerate(rules)]
-            start += len(rules)
-            self._lists.append((wanted, start))
-            start += 1
-        self._known: dict[int, Floats] = {}
-        self._model = model
-        self._spoken = model.spoken * np.repeat(np.array(model.say), [len(rules) + 1 for rules in model.lists])[:, None]
+        rules = list(dict.fromkeys(tuple(sorted(set(rule))) for each in model.lists for rule in each))
+        number = {rule: place for place, rule in enumerate(rules)}
+        self._wanted = np.zeros((len(model.clauses), len(rules) + 1))
+        """By clause and rule whether the rule asks for the clause; the last rule, which asks for nothing, always holds."""
+        for rule, place in number.items():
+            self._wanted[list(rule), place] = 1.0
+        longest = max((len(each) for each in model.lists), default=0)
+        self._order = np.full((len(model.lists), longest + 1), len(rules), dtype=np.intp)
+        for at, each in enumerate(model.lists):
+            self._order[at, : len(each)] = [number[tuple(sorted(set(rule)))] for rule in each]
+        self._start = np.cumsum([0, *(len(each) + 1 for each in model.lists[:-1])], dtype=np.intp)
+        self._known: dict[bytes, Floats] = {}
+        self._spoken = model.spoken * np.repeat(np.array(model.say), [len(each) + 1 for each in model.lists])[:, None]
 
     def shares(self, x: Floats) -> Floats:
         """Probabilities (k,) for one row (d,)."""
-        return self._of(self._holds(x))
+        return self._of(self._flags(x))
 
     def shares_many(self, x: Floats) -> Floats:
         """The same for rows, (n, k)."""
         found = np.empty((len(x), self._spoken.shape[1]))
-        flags = (x[:, self._columns] + self._slopes * x[:, self._others] > self._limits) == self._above
-        for place, row in enumerate(np.packbits(flags, axis=1, bitorder="little")):
-            found[place] = self._of(int.from_bytes(row.tobytes(), "little"))
+        for place, flags in enumerate((x[:, self._columns] + self._slopes * x[:, self._others] > self._limits) == self._above):
+            found[place] = self._of(flags)
         return found
 
     def speaking(self, x: Floats) -> list[int]:
         """Which rule of each list speaks for the row, as places in ``spoken``."""
-        return self._first(self._holds(x))
+        found: list[int] = self._first(self._flags(x)).tolist()
+        return found
 
     def heard(self, x: Floats, place: int) -> tuple[HeardRule, ...]:
         """The different rules that speak for the row, the most heard first, and what each says of the class at ``place``.
@@ -172,28 +177,23 @@ class RuleReader:
     def _ask(clause: Clause) -> Ask:
         return Ask(column=clause.column, limit=clause.limit, above=clause.above, other=clause.other, slope=clause.slope)
 
-    def _holds(self, x: Floats) -> int:
+    def _flags(self, x: Floats) -> Flags:
+        """Which clauses hold of one row."""
         values = x.take(self._columns)
         if self._oblique:
             values = values + self._slopes * x.take(self._others)
-        flags = (values > self._limits) == self._above
-        return int.from_bytes(np.packbits(flags, bitorder="little").tobytes(), "little")
+        return np.asarray((values > self._limits) == self._above)
 
-    def _of(self, holds: int) -> Floats:
-        found = self._known.get(holds)
+    def _of(self, flags: Flags) -> Floats:
+        key = flags.tobytes()
+        found = self._known.get(key)
         if found is None:
-            found = np.asarray(self._spoken[self._first(holds)].sum(axis=0))
+            found = np.asarray(self._spoken.take(self._first(flags), axis=0).sum(axis=0))
             if len(self._known) < _REMEMBERED:
-                self._known[holds] = found
+                self._known[key] = found
         return found
 
-    def _first(self, holds: int) -> list[int]:
-        found = []
-        for rules, last in self._lists:
-            for rule, place in rules:
-                if holds & rule == rule:
-                    found.append(place)
-                    break
-            else:
-                found.append(last)
-        return found
+    def _first(self, flags: Flags) -> npt.NDArray[np.intp]:
+        """For each list the first of its rules that holds, as places in ``spoken``."""
+        holds = (~flags).astype(np.float64) @ self._wanted == 0.0
+        return np.asarray(self._start + holds.take(self._order).argmax(axis=1))

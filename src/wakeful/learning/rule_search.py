@@ -33,10 +33,10 @@ class SearchSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     are drawn from the rest. ``steps_again`` and ``heat_again`` are those of a chain that goes on from a list. ``prior`` is how
     often each class counts as seen in advance, ``terse`` what a nat of naming weighs."""
 
-    chains: int = 4
-    steps: int = 600
+    chains: int = 6
+    steps: int = 1200
     heat: float = 6.0
-    steps_again: int = 200
+    steps_again: int = 400
     heat_again: float = 2.0
     settled: float = 0.6
     kept: int = 5
