@@ -1,10 +1,13 @@
 """What a mind costs as more processes wait: CPU for each further event, memory, pauses; and recovery against journal length.
 
-    ./run python -m benchmarks.scale [--waiting 1000,10000,100000] [--events 1000,10000,50000] [--json] [--svg docs/scale.svg]
+    ./run python -m benchmarks.scale [--waiting 1000,10000,100000] [--at-hand 100000] [--events 1000,10000,50000] [--json]
+        [--svg docs/scale.svg]
 
 Everything runs through the real kernel, with W's model and its stub treatments; waiting processes wait for a reading that comes
-a day later. The last columns are measured while as many wait: events that don't wait, and readings that wake one of those
-that do. Recovery is from a SQLite journal. Times are CPU: on a shared machine the others' share is not the mind's.
+a day later. For each number a row with the newest 4,096 at hand and the others parked, as by default, and one with all of them at
+hand (``--at-hand`` says up to how many). Bytes are resident memory, after what the mind keeps of all events has filled up. CPU is
+that of events that don't wait, and of readings that wake one of those that do, while as many wait; the longest feed is of all,
+those too that let them wait. Recovery is from a SQLite journal. Times are CPU: what others take of the machine does not count.
 """
 
 from __future__ import annotations
@@ -40,6 +43,8 @@ from wakeful.kernel import Kernel
 
 BATCH = 64
 FURTHER = 2_000
+REMEMBERED = 500
+KEPT_WAITING = MindSettings().keep_waiting
 DAY_S = 86_400.0
 #: So close that no window closes meanwhile: a forecast that nothing bears out is contradicted, and W is not about that.
 SPACING_NS = 10_000
@@ -55,6 +60,7 @@ class Waiting(msgspec.Struct):
     """One row: with so many processes waiting."""
 
     waiting: int
+    parked: int
     cpu_us_per_event: float
     cpu_us_per_wake: float
     bytes_per_waiting: float
@@ -115,9 +121,12 @@ class World:
         return found
 
 
-def new_kernel(keep: int = 10_000) -> Kernel:
-    """One mind."""
-    return assemble(DOMAIN, MindSettings(step_s=0.0, overload=UNLIMITED, keep_events=keep), registry=registry())[0]
+def new_kernel(keep: int = 10_000, keep_waiting: int = KEPT_WAITING) -> Kernel:
+    """One mind that remembers so many events."""
+    settings = MindSettings(
+        step_s=0.0, overload=UNLIMITED, keep_events=keep, episodes=2 * keep, keep_ids=25 * keep, keep_waiting=keep_waiting
+    )
+    return assemble(DOMAIN, settings, registry=registry())[0]
 
 
 def begun(workload: Workload, kernel: Kernel) -> list[Line]:
@@ -127,30 +136,32 @@ def begun(workload: Workload, kernel: Kernel) -> list[Line]:
     return lines
 
 
-def waiting(workload: Workload, count: int) -> Waiting:
-    """Let so many processes wait, then measure."""
-    kernel, world = new_kernel(), World(workload)
-    begun(workload, kernel)
-    kernel.feed([Begin(source="w", digest="w")], 1)
-    for _ in range(0, 2_048, BATCH):  # what is kept of every event fills up first
-        kernel.feed(world.inputs(BATCH, waits=False), kernel.now_ns)
-        kernel.changed()
-    garbage.settle()
-    before, first = _resident(), world.position + 1
+def fed(kernel: Kernel, world: World, count: int, waits: bool) -> list[float]:
+    """Feed so many further events; CPU of each feed, in ms."""
+    took = []
     for _ in range(0, count, BATCH):
-        kernel.feed(world.inputs(BATCH, waits=True), kernel.now_ns)
-        kernel.changed()
-    bytes_each = (_resident() - before) / count
-    garbage.settle()
-    took: list[float] = []
-    cpu = time.process_time()
-    for _ in range(0, FURTHER, BATCH):
-        inputs = world.inputs(BATCH, waits=False)
+        inputs = world.inputs(BATCH, waits=waits)
         began = time.process_time()
         kernel.feed(inputs, kernel.now_ns)
         kernel.changed()
         took.append((time.process_time() - began) * 1e3)
-    cpu_event = (time.process_time() - cpu) / (len(took) * BATCH)
+    return took
+
+
+def waiting(workload: Workload, count: int, keep_waiting: int) -> Waiting:
+    """Let so many processes wait, then measure."""
+    kernel, world = new_kernel(REMEMBERED, keep_waiting), World(workload)
+    begun(workload, kernel)
+    kernel.feed([Begin(source="w", digest="w")], 1)
+    fed(kernel, world, 30 * REMEMBERED, waits=False)
+    garbage.settle()
+    before, first = _resident(), world.position + 1
+    took = fed(kernel, world, count, waits=True)
+    garbage.settle()
+    grown_bytes, parked = _resident() - before, kernel.parked
+    further = fed(kernel, world, FURTHER, waits=False)
+    cpu_event = sum(further) / 1e3 / (len(further) * BATCH)
+    took += further
     random = Random(count)
     woken = random.sample(range(first, first + count), min(count // 2, FURTHER))
     cpu = time.process_time()
@@ -169,9 +180,10 @@ def waiting(workload: Workload, count: int) -> Waiting:
     cpu_wake = (time.process_time() - cpu) / len(woken)
     return Waiting(
         waiting=count,
+        parked=parked,
         cpu_us_per_event=cpu_event * 1e6,
         cpu_us_per_wake=cpu_wake * 1e6,
-        bytes_per_waiting=bytes_each,
+        bytes_per_waiting=grown_bytes / count,
         p99_batch_ms=quantiles(took, n=100)[-1],
         longest_ms=max(took),
     )
@@ -236,16 +248,18 @@ def draw(path: Path, waits: list[Waiting], recoveries: list[Recovery]) -> None:
     from matplotlib import pyplot  # noqa: PLC0415  # only where a picture is asked for
 
     figure, axes = pyplot.subplots(1, 4, figsize=(15, 3.4))
-    counts = [row.waiting for row in waits]
+    sides = {"all at hand": [row for row in waits if not row.parked], "as by default": [row for row in waits if row.parked]}
     for axis, name, label in (
         (axes[0], ("cpu_us_per_event", "cpu_us_per_wake"), "CPU, µs"),
         (axes[1], ("bytes_per_waiting",), "bytes for each waiting process"),
         (axes[2], ("p99_batch_ms", "longest_ms"), f"a feed of {BATCH}, ms"),
     ):
-        for each in name:
-            axis.plot(counts, [getattr(row, each) for row in waits], marker="o", label=each.replace("_", " "))
+        for (side, rows), style in zip(sides.items(), ("--", "-"), strict=True):
+            for each in name:
+                said = f"{each.replace('_', ' ')}, {side}"
+                axis.plot([row.waiting for row in rows], [getattr(row, each) for row in rows], style, marker="o", label=said)
         axis.set(xscale="log", xlabel="waiting processes", ylabel=label, ylim=(0, None))
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=6)
     axes[3].plot([row.events for row in recoveries], [row.seconds for row in recoveries], marker="o")
     axes[3].set(xlabel="events in the journal", ylabel="recovery, s", xlim=(0, None), ylim=(0, None))
     figure.tight_layout()
@@ -256,12 +270,15 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--waiting", default="1000,10000,100000")
+    parser.add_argument("--at-hand", type=int, default=100_000)
     parser.add_argument("--events", default="1000,10000,50000")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--svg", type=Path)
     given = parser.parse_args()
     workload = make(1, 500)
-    waits = [waiting(workload, int(each)) for each in given.waiting.split(",") if each]
+    counts = [int(each) for each in given.waiting.split(",") if each]
+    waits = [waiting(workload, each, KEPT_WAITING) for each in counts if each > KEPT_WAITING]
+    waits += [waiting(workload, each, max(counts)) for each in counts if each <= given.at_hand]
     recoveries = [recovery(workload, int(each)) for each in given.events.split(",") if each]
     if given.json:
         json.dump({"waiting": msgspec.to_builtins(waits), "recovery": msgspec.to_builtins(recoveries)}, sys.stdout, indent=1)

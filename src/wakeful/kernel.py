@@ -112,7 +112,7 @@ class Kernel:
         self._stops = False
         self._position = 0
         self._sources = Sources(domain, settings.seed)
-        self._admission = Admission()
+        self._admission = Admission(settings.keep_ids)
         self._overload = Overload(settings.overload)
         self._guarantee = guarantee_of(settings)
         gate = SelectionSettings.under(settings)
@@ -184,6 +184,11 @@ class Kernel:
     def backlog(self) -> int:
         """How many processes have not begun to be treated, or queue for the reasoner."""
         return self._scheduler.processes.backlog
+
+    @property
+    def parked(self) -> int:
+        """How many waiting processes are parked outside memory."""
+        return len(self._scheduler.processes.parked)
 
     @property
     def counts(self) -> Counts:

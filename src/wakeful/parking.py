@@ -16,8 +16,8 @@ from wakeful.scheduling.process import Process, Recorded
 from wakeful.scheduling.scheduler import Scheduler
 from wakeful.validation import Validation
 
-#: At most so many are parked after one feed, so that nobody waits long for it.
-AT_ONCE = 512
+#: So many are parked after one feed: a quarter of those that are too many, within these bounds, so that nobody waits long for it.
+FEWEST, MOST = 128, 1_024
 
 
 class _Parked(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -26,6 +26,7 @@ class _Parked(msgspec.Struct, kw_only=True, omit_defaults=True):
     process: Recorded
     made: Made | None = None
     since_ns: int | None = None
+    known: tuple[int, ...] = ()
 
 
 _encode = msgspec.json.Encoder().encode
@@ -58,7 +59,7 @@ class Parking:
         parkable = self._scheduler.processes.parkable(self._keep)
         if not parkable:
             return
-        for process in parkable[:AT_ONCE]:
+        for process in parkable[: min(MOST, max(FEWEST, len(parkable) // 4))]:
             try:
                 self._park(self._aside, process)
             except AsideFull as error:
@@ -68,25 +69,28 @@ class Parking:
         self._scheduler.parked()
 
     def _park(self, aside: Aside, process: Process) -> None:
-        made = self._revision.park(process.id)
-        since_ns = self._validation.park(process.id)
+        parked = _Parked(
+            process=process.recorded(),
+            made=self._revision.park(process.id),
+            since_ns=self._validation.park(process.id),
+            known=self._scheduler.processes.park(process),
+        )
         try:
-            aside.put(process.id, _encode(_Parked(process=process.recorded(), made=made, since_ns=since_ns)))
+            aside.put(process.id, _encode(parked))
         except AsideFull:
-            self._give_back(process, made, since_ns)
+            self._give_back(parked)
             raise
-        self._scheduler.park(process)
 
     def take_up(self, process: int) -> None:
         """Have a parked process at hand again. Raises KeyError where it is not parked."""
         if self._aside is None:
             raise KeyError(process)
-        parked = _decode(self._aside.take(process))
-        self._scheduler.take_up(parked.process)
-        self._give_back(parked.process, parked.made, parked.since_ns)
+        self._give_back(_decode(self._aside.take(process)))
 
-    def _give_back(self, process: Recorded, made: Made | None, since_ns: int | None) -> None:
-        if made is not None:
-            self._revision.take_up(made)
-        if since_ns is not None:
-            self._validation.take_up(process.event, since_ns, process.id)
+    def _give_back(self, parked: _Parked) -> None:
+        process = parked.process
+        self._scheduler.take_up(process, parked.known)
+        if parked.made is not None:
+            self._revision.take_up(parked.made)
+        if parked.since_ns is not None:
+            self._validation.take_up(process.event, parked.since_ns, process.id)

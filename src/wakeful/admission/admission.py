@@ -7,6 +7,7 @@ import sys
 
 import msgspec
 
+from wakeful.admission.seen import Seen
 from wakeful.facts.events import Draft, Event, Undecodable, event_id
 from wakeful.facts.lines import Admitted, AnyRecord, Compacted, Duplicate, Refused
 from wakeful.facts.time import LARGEST_NS, LONGEST_S, Stamp
@@ -32,10 +33,14 @@ class Counts(msgspec.Struct, frozen=True):
 
 
 class Admission:
-    """Knows which events were admitted. State changes only in ``apply``."""
+    """Knows which events were admitted. State changes only in ``apply`` and ``covered``.
 
-    def __init__(self) -> None:
-        self._seen: set[str] = set()
+    Args:
+        keep_ids: so many of the newest are known, so that one of them that comes again is a duplicate.
+    """
+
+    def __init__(self, keep_ids: int = 250_000) -> None:
+        self._seen = Seen(keep_ids)
         self._admitted = 0
         self._duplicate = 0
         self._refused = 0

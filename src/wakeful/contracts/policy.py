@@ -57,3 +57,14 @@ class ConservingPolicy(Policy, Protocol):
 
     def ran_through(self, treatment: str, mode: Mode, kind: str, steps: int, now_ns: int) -> None:
         """Such a process came, ran its steps and was resolved, all at this instant; of it nothing else is told."""
+
+
+@runtime_checkable
+class ParkingPolicy(Policy, Protocol):
+    """A policy that gives away what it knows of a process that waits long, so that it takes no memory. Others keep it."""
+
+    def park(self, process: int) -> tuple[int, ...]:
+        """What is known of a waiting process, which is forgotten."""
+
+    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+        """The process waits as before; ``known`` is what ``park`` returned."""

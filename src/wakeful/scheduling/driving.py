@@ -11,6 +11,7 @@ from wakeful.contracts.treatment import Refusal, Treatment
 from wakeful.facts.asking import Episode, Kind, Reply
 from wakeful.facts.choices import Choice
 from wakeful.facts.crashes import MARKED, Page, mark
+from wakeful.facts.decisions import Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.lines import Answered
@@ -68,11 +69,14 @@ class Coroutines:
             Mismatch: the code asks for something else than was recorded.
             Failure: the treatment raised.
         """
-        first = process.first_of_attempt
+        # An automatic decision that stands as it was made is taken as its numbers: its words are for who reads them.
+        first = process.choice if process.first is None and process.choice is not None else process.first_of_attempt
         if first is None:
             raise Mismatch("the process has no decision")
-        mind = process.mind = KernelMind(first.mode, first, self._spec, process.arrived_ns, self._consults)
-        mind.current = process.decision
+        mode: Mode = "auto" if isinstance(first, Choice) else first.mode
+        mind = process.mind = KernelMind(mode, first, self._spec, process.arrived_ns, self._consults)
+        if not isinstance(first, Choice):
+            mind.current = process.decision
         chosen = process.parent != 0
         process.coroutine = think(process.event, mind, self._treatment, self._options, chosen)
         budget = steps - process.base_steps

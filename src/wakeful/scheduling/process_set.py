@@ -7,7 +7,7 @@ from itertools import islice
 
 import msgspec
 
-from wakeful.contracts.policy import ConservingPolicy, LearningPolicy, Policy
+from wakeful.contracts.policy import ConservingPolicy, LearningPolicy, ParkingPolicy, Policy
 from wakeful.facts.asking import Kind
 from wakeful.facts.decisions import Decision
 from wakeful.facts.events import Event
@@ -41,6 +41,7 @@ class ProcessSet:
         self.reasoner_calls = ReasonerCalls(reasoner_slots)
         self.crashes = Crashes()
         self.not_begun = Backlog()
+        self._parks = policy if isinstance(policy, ParkingPolicy) else None
         self._learns = policy if isinstance(policy, LearningPolicy) else None
         self._event_of = event_of
         self._open: dict[int, Process] = {}
@@ -136,8 +137,8 @@ class ProcessSet:
         will ask for."""
         return [self._open[each] for each in islice(self._waiters, max(0, len(self._waiters) - count))]
 
-    def park(self, process: Process) -> None:
-        """Take a parkable process out of memory. The policy is not told: to it, it waits."""
+    def park(self, process: Process) -> tuple[int, ...]:
+        """Take a parkable process out of memory; returns what the policy knows of it, to which it goes on waiting."""
         pending = process.pending
         if pending is None:
             raise ValueError(f"process {process.id} waits for nothing")
@@ -147,12 +148,15 @@ class ProcessSet:
             process.coroutine.close()
             process.coroutine = process.mind = None
         self.parked.park(process.id, pending.key, pending.expires_ns)
+        return self._parks.park(process.id) if self._parks is not None else ()
 
-    def take_up(self, recorded: Recorded) -> Process:
+    def take_up(self, recorded: Recorded, known: tuple[int, ...]) -> Process:
         """Have a parked process at hand again, as recovery would: its coroutine is rebuilt when it goes on."""
         self.parked.leave(recorded.id)
         process = Process(**msgspec.structs.asdict(recorded))
         self._open[process.id] = process
+        if self._parks is not None:
+            self._parks.take_up(process.id, known)
         pending = process.pending
         if pending is not None:
             self._expects(process, pending.key)

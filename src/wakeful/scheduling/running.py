@@ -207,6 +207,15 @@ class Running:
 
     # --- recovery ---
 
+    def warm(self, process: Process) -> None:
+        """Rebuild the coroutine of a process that waits; where that fails it stays cold, and is rebuilt when it goes on."""
+        try:
+            want = self._coroutines.rebuild(process, process.steps)
+        except (Mismatch, Failure):
+            process.coroutine = process.mind = process.want = None
+        else:
+            process.want = want if isinstance(want, Want) else None
+
     def wait_again(self, process: Process, pending: Asked) -> None:
         """Take a recorded wait up again. What goes outside follows its class: one with effect is in doubt, others go again."""
         if pending.kind not in OUTSIDE:

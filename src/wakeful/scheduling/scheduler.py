@@ -211,15 +211,13 @@ class Scheduler:
 
     # --- parking ---
 
-    def park(self, process: Process) -> None:
-        """Take a waiting process out of memory; its limit stays noted."""
-        self.processes.park(process)
-
-    def take_up(self, recorded: Recorded) -> None:
-        """Have a parked process at hand again, with its limit."""
-        pending = self.processes.take_up(recorded).pending
-        if pending is not None:
-            self._agenda.limit(pending)
+    def take_up(self, recorded: Recorded, known: tuple[int, ...]) -> None:
+        """Have a parked process at hand again, with what the policy knows of it, its limit, and its coroutine."""
+        process = self.processes.take_up(recorded, known)
+        if process.pending is not None:
+            self._agenda.limit(process.pending)
+        if not self.processes.crashes.of(process.event.id):
+            self._running.warm(process)
 
     def parked(self) -> None:
         """Some were parked: what was noted of them is forgotten."""

@@ -289,3 +289,25 @@ def test_a_burst_of_hopeless_deadlines_hides_none_that_can_be_met() -> None:
     hopeless = [seen(n, left=20, critical=True, deadline_s=10) for n in range(1, 41)]
     possible = seen(50, left=5, critical=True, deadline_s=12)
     assert first(told(taught(), *hopeless, possible)) == 50
+
+
+def test_what_it_gives_away_of_a_waiting_process_brings_it_back_as_it_was() -> None:
+    calm, parking = taught(), taught()
+    for policy in (calm, parking):
+        begun = msgspec.structs.replace(seen(1, left=0, done=2), steps_needed=None)
+        policy.runnable(begun, 0)
+        policy.waiting(begun, 1)
+        if policy is parking:
+            known = policy.park(1)
+            assert not policy._waiting
+            assert not policy._before_wait
+            policy.take_up(1, known)
+        ended = msgspec.structs.replace(begun, steps_done=5)
+        policy.runnable(begun, 5)
+        policy.completed(ended, 9)
+        policy.gone(1, 9)
+        fresh = msgspec.structs.replace(seen(2, left=0), steps_needed=None)
+        told(policy, fresh, seen(3, left=3), now_s=10.0)
+    assert calm._history.of(fresh).left_after_wait(2) == parking._history.of(fresh).left_after_wait(2)
+    assert calm._history.of(fresh).likely_waits() == parking._history.of(fresh).likely_waits()
+    assert order(calm, now_s=11.0) == order(parking, now_s=11.0)

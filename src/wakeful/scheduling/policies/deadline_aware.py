@@ -152,6 +152,22 @@ class DeadlineAware:
         self._before_wait.pop(process, None)
         self._came.discard(process)
 
+    def park(self, process: int) -> tuple[int, ...]:
+        """Its steps before it waited for the first time, and whether that wait is over; it is forgotten."""
+        known = (self._before_wait.pop(process, -1), int(process in self._came))
+        self._waiting.discard(process)
+        self._came.discard(process)
+        return known
+
+    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+        """It waits as before."""
+        before_wait, came = known
+        self._waiting.add(process)
+        if before_wait >= 0:
+            self._before_wait[process] = before_wait
+        if came:
+            self._came.add(process)
+
     def _stand(self, view: ProcessView) -> None:
         effort = self._history.of(view)
         came = view.id in self._came

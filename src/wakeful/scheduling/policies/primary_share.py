@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import msgspec
 
-from wakeful.contracts.policy import LearningPolicy, Pick, Policy
+from wakeful.contracts.policy import LearningPolicy, ParkingPolicy, Pick, Policy
 from wakeful.facts.events import CRITICAL
 from wakeful.facts.processes import ProcessView
 from wakeful.facts.time import to_ns
@@ -36,6 +36,7 @@ class PrimaryShare:
             raise ValueError(f"primary_quantum_s is {quantum_s}; it must be more than 0")
         self.name = inner.name
         self._inner = inner
+        self._parks = inner if isinstance(inner, ParkingPolicy) else None
         self._learns = inner if isinstance(inner, LearningPolicy) else None
         self._share = Fraction(share).limit_denominator(1000)
         self._quantum_ns = max(1, to_ns(quantum_s))
@@ -60,6 +61,19 @@ class PrimaryShare:
         """Told on."""
         self._critical.discard(process)
         self._inner.gone(process, now_ns)
+
+    def park(self, process: int) -> tuple[int, ...]:
+        """What the inner policy gives away, and whether it is critical."""
+        critical = process in self._critical
+        self._critical.discard(process)
+        return int(critical), *(self._parks.park(process) if self._parks is not None else ())
+
+    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+        """As it was."""
+        if known[0]:
+            self._critical.add(process)
+        if self._parks is not None:
+            self._parks.take_up(process, known[1:])
 
     def pick(self, running: Sequence[int], slots: int, now_ns: int) -> Pick:
         """The inner policy's answer; in the primary task's quanta the critical processes of it alone."""
