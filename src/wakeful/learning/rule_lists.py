@@ -139,10 +139,10 @@ class RuleReader:
 
     def shares_many(self, x: Floats) -> Floats:
         """The same for rows, (n, k)."""
-        found = np.empty((len(x), self._spoken.shape[1]))
-        for place, flags in enumerate((x[:, self._columns] + self._slopes * x[:, self._others] > self._limits) == self._above):
-            found[place] = self._of(flags)
-        return found
+        flags = (x[:, self._columns] + self._slopes * x[:, self._others] > self._limits) == self._above
+        holds = (~flags).astype(np.float64) @ self._wanted == 0.0
+        first = self._start + holds[:, self._order].argmax(axis=2)
+        return np.asarray(self._spoken[first].sum(axis=1))
 
     def speaking(self, x: Floats) -> list[int]:
         """Which rule of each list speaks for the row, as places in ``spoken``."""
