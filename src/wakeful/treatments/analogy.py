@@ -13,10 +13,12 @@ from wakeful.treatments.beta import Belief
 from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
+from wakeful.treatments.meaning import installed
 from wakeful.treatments.measures import number, significant
-from wakeful.treatments.overlap import Overlap, overlap, worth
+from wakeful.treatments.overlap import Meanings, Overlap, overlap, worth
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
+from wakeful.treatments.unmet_words import Meant, meanings, meant
 from wakeful.treatments.wording import bare, brief, percent, subject
 
 
@@ -30,6 +32,10 @@ class AnalogySettings(Fact, frozen=True):
     wrong_before: float = 0.3
     before_cases: float = 2.0
     mass: float = 0.9
+    meaning: bool = True
+    """Whether words that were never met are compared with known ones by their meaning, outside auto mode (extra ``analogy``)."""
+    looked_at: int = 24
+    """How many cases are then recalled, the best of which are kept: the search knows nothing of meaning."""
 
 
 class Case(Fact, frozen=True):
@@ -64,6 +70,8 @@ class Analogy(Result, frozen=True, kw_only=True, tag="analogy"):
     wrong: float = 1.0
     wrong_low: float = 0.0
     wrong_high: float = 1.0
+    meanings: tuple[Meant, ...] = ()
+    """Words that were never met, and the known ones that they count as."""
 
 
 @treatment(
@@ -79,12 +87,19 @@ async def analogy(event: Event, mind: Mind) -> Analogy:
 async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     """The thinking of ``analogy`` with settings of one's own.
 
-    Source: case-based reasoning, retrieve and reuse (Aamodt and Plaza 1994); overlap after Gower 1971.
+    Source: case-based reasoning, retrieve and reuse (Aamodt and Plaza 1994); overlap after Gower 1971; meaning by sentence
+    embedding (Yang et al. 2020).
     """
     await mind.work(1)
-    found = await similar(event, mind, settings.cases_deliberating if mind.mode == "delib" else settings.cases)
+    kept = settings.cases_deliberating if mind.mode == "delib" else settings.cases
+    by_meaning = settings.meaning and mind.mode != "auto" and installed()
+    found = await similar(event, mind, max(settings.looked_at, kept) if by_meaning else kept)
+    new = await meant(event, found, mind) if by_meaning else ()
     await mind.work(1)
-    cases = tuple(sorted((_case(event, mind, episode) for episode in found), key=lambda case: (-case.worth, case.event)))
+    if not new:
+        found = found[:kept]
+    every = (_case(event, mind, episode, meanings(new)) for episode in found)
+    cases = tuple(sorted(every, key=lambda case: (-case.worth, case.event))[:kept])
     near = [case for case in cases if case.worth >= settings.near]
     known = {case.event for case in near}
     said = await consult(
@@ -116,6 +131,7 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
         rests_on=(
             f"event {event.id}",
             *resting(by_event[case.event] for case in near),
+            *(f"meaning of {each.word!r}: nearest {', '.join(list(each.counts)[:3])}" for each in new),
             *forecast_reasons(mind, [voice]),
             *said.basis,
         ),
@@ -129,16 +145,17 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
         wrong=significant(belief.mean),
         wrong_low=low,
         wrong_high=high,
+        meanings=new,
     )
 
 
-def _case(event: Event, mind: Mind, episode: Episode) -> Case:
-    shared = overlap(event.fields, episode.fields, mind.domain.fields)
+def _case(event: Event, mind: Mind, episode: Episode, alike: Meanings) -> Case:
+    shared = overlap(event.fields, episode.fields, mind.domain.fields, alike)
     return Case(
         event=episode.event,
         entity=brief(episode.entity),
         kind=episode.kind,
-        worth=worth(event, episode, mind.domain.fields),
+        worth=worth(event, episode, mind.domain.fields, alike),
         likeness=significant(min(max(number(episode.likeness) or 0.0, 0.0), 1.0)),
         overlap=shared,
         treatment=episode.treatment,

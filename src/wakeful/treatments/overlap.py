@@ -17,6 +17,10 @@ from wakeful.treatments.measures import comparable, number, plain, significant
 #: From this agreement on an attribute counts as shared.
 SHARED = 0.9
 
+#: How much words that were never met count as known ones, by meaning: field (``kind``: the event's) -> known word -> [0, 1].
+Meanings = Mapping[str, Mapping[str, float]]
+NO_MEANINGS: Meanings = {}
+
 
 class Overlap(Fact, frozen=True):
     """The mean agreement in [0, 1], and the attributes by whether they are shared. ``lacking``: only one side has them."""
@@ -32,15 +36,22 @@ class Overlap(Fact, frozen=True):
         return len(self.shared) + len(self.differing) + len(self.lacking)
 
 
-def overlap(a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, FieldSpec]) -> Overlap:
-    """How far the attributes agree; nothing on both sides is no agreement.
+def overlap(
+    a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, FieldSpec], meanings: Meanings = NO_MEANINGS
+) -> Overlap:
+    """How far the attributes agree; nothing on both sides is no agreement. Words agree as far as they mean the same, where that
+    is known, else where they are the same.
 
     >>> overlap({"state": "hot", "load": 0.5}, {"state": "hot", "load": 0.75}, {}).share
     0.833333
     """
     a, b = comparable(a), comparable(b)
     names = list(dict.fromkeys((*a, *b)))
-    agreed = {name: _agreement(a[name], b[name], specs.get(name)) for name in names if name in a and name in b}
+    agreed = {
+        name: _meant(meanings, name, b[name], _agreement(a[name], b[name], specs.get(name)))
+        for name in names
+        if name in a and name in b
+    }
     return Overlap(
         share=significant(sum(agreed.values()) / len(names)) if names else 0.0,
         shared=tuple(name for name, share in agreed.items() if share >= SHARED),
@@ -49,16 +60,25 @@ def overlap(a: Mapping[str, Field], b: Mapping[str, Field], specs: Mapping[str, 
     )
 
 
-def worth(event: Event, episode: Episode, specs: Mapping[str, FieldSpec]) -> float:
+def worth(event: Event, episode: Episode, specs: Mapping[str, FieldSpec], meanings: Meanings = NO_MEANINGS) -> float:
     """How much of a case a recalled one is for this event, in [0, 1]: the overlap squared, so that many cases that agree in
-    little don't drown a few that agree in much; half of that where it is of another kind.
+    little don't drown a few that agree in much; half of that where it is of another kind. Kinds and words that were never met
+    count by their meaning, where that is known: what is of another nature is worth half.
 
     The search's likeness only says which cases to look at: its scale is that of the learner's features.
     """
     same_kind = event.kind == episode.kind
-    shared = overlap(event.fields, episode.fields, specs)
+    shared = overlap(event.fields, episode.fields, specs, meanings)
     share = shared.share if shared.names else float(same_kind)
-    return significant(share**2 * (1.0 if same_kind else 0.5))
+    nature = 1.0 if same_kind else meanings.get("kind", {}).get(episode.kind, 0.0)
+    for name, known in meanings.items():
+        if name in event.fields and name in episode.fields:
+            nature *= known.get(str(episode.fields[name]), 0.0)
+    return significant(share**2 * (1.0 + nature) / 2.0)
+
+
+def _meant(meanings: Meanings, name: str, value: Field, otherwise: float) -> float:
+    return meanings[name].get(value, otherwise) if name in meanings and isinstance(value, str) else otherwise
 
 
 def _agreement(a: Field, b: Field, spec: FieldSpec | None) -> float:
