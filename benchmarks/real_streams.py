@@ -35,8 +35,9 @@ from wakeful.facts.lines import Certified, Concluded, Created, Decided, Judged, 
 from wakeful.facts.values import NOTHING
 from wakeful.learning.pooled import Pooled
 from wakeful.selection.features import Encoder
+from wakeful.selection.gating import SelectionSettings
 from wakeful.selection.guarantee import Guarantee, GuaranteeSettings
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.selector import Selector
 
 ALPHA = 0.05
 GROWTH = 2.0

@@ -24,7 +24,8 @@ from wakeful.learning.episodes import Episodes
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.two_heads import TwoHeads
 from wakeful.selection.explain import contributions
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.gating import SelectionSettings
+from wakeful.selection.selector import Selector
 
 TREATMENTS = (
     "description", "memory", "risk_prediction", "planning", "diagnosis", "analogy", "comparison", "causal_analysis",

@@ -58,9 +58,10 @@ from wakeful.revision import Debts, Revision
 from wakeful.scheduling.evidence import EvidenceShelf
 from wakeful.scheduling.scheduler import Scheduler
 from wakeful.selection.foresight import Seen
+from wakeful.selection.gating import SelectionSettings
 from wakeful.selection.guarantee import guarantee_of
 from wakeful.selection.recalled import with_memory
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.selector import Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
 

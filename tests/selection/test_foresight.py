@@ -11,7 +11,8 @@ from wakeful.facts.events import Draft, Event
 from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.time import Stamp
 from wakeful.learning.two_heads import TwoHeads
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.gating import SelectionSettings
+from wakeful.selection.selector import Selector
 
 TREATMENTS = ("description", "memory", "planning")
 SPEC = DomainSpec(

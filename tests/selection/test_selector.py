@@ -14,7 +14,8 @@ from wakeful.facts.experience import ModelCard
 from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.settings import MindSettings
 from wakeful.selection.explain import contributions
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.gating import SelectionSettings
+from wakeful.selection.selector import Selector
 
 TREATMENTS = ("analogy", "description", "planning")
 SPEC = DomainSpec(

@@ -14,7 +14,7 @@ from wakeful.facts.time import to_s
 from wakeful.journal.views import History, View, history
 from wakeful.journal.wording.words import count, duration, percent
 from wakeful.revision.revision import RevisionSettings
-from wakeful.selection.selector import POOLED, RESULT, SelectionSettings
+from wakeful.selection.gating import POOLED, RESULT, SelectionSettings
 
 
 class TrustRow(View, frozen=True):

@@ -12,7 +12,8 @@ from wakeful.experiments.worlds.service_events import TREATMENTS
 from wakeful.facts.inputs import TrainingJob
 from wakeful.learning.pooled import Pooled
 from wakeful.learning.pooled_predictor import PooledPredictor
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.gating import SelectionSettings
+from wakeful.selection.selector import Selector
 
 #: Experiment 1 has no outcomes, so that the result head must not be asked for confidence, and no unfamiliar kinds of events.
 GATE = SelectionSettings(result_confidence=0.0, novelty_limit=1.0)

@@ -31,8 +31,9 @@ from wakeful.learning.belief import Expected
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.pooled import Pooled
+from wakeful.selection.gating import SelectionSettings
 from wakeful.selection.recalled import with_memory
-from wakeful.selection.selector import SelectionSettings, Selector
+from wakeful.selection.selector import Selector
 
 #: The reasoner is right on little more than half of the events, treatment and outcome together: what the model holds to be
 #: likelier than not is left to it. What is unlike anything met is told by its type, so that distance says nothing more.

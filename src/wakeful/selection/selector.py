@@ -3,59 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal
+from typing import Final
 
 import msgspec
 
 from wakeful.contracts.learner import Estimate, Learner, Predictor, RowPredictor
-from wakeful.facts.choices import Basis, Choice, automatic, guaranteed, likeliest, said
-from wakeful.facts.decisions import Audit, Candidate, Decision, Gate, Mode
+from wakeful.facts.choices import Basis, Choice, said
+from wakeful.facts.decisions import Candidate, Decision, Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Draft, Event
 from wakeful.facts.experience import ModelCard
-from wakeful.facts.settings import MindSettings
 from wakeful.selection.batch import BatchEncoder
 from wakeful.selection.features import Encoder, Vector
 from wakeful.selection.foresight import Foresight, Seen, alone, of_one
+from wakeful.selection.gating import GATE_DIGITS, RESULT, Gating, SelectionSettings
 from wakeful.selection.guarantee import Guarantee
 from wakeful.selection.guidelines import Advice, advise, expected
 
-POOLED: Final = "*"
-"""The key of ``ModelCard.thresholds`` for treatments without a threshold of their own."""
-RESULT: Final = "@result"
-"""The key of ``ModelCard.thresholds`` for the result head's confidence."""
 GENERAL_TREATMENTS: Final = ("analogy", "description")
 """What an unfamiliar event gets where no guideline speaks for anything: a general treatment (Section III of the paper)."""
-
-_GATE_DIGITS = 6
-
-
-class SelectionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """When a treatment may be executed automatically.
-
-    ``confidence`` and ``result_confidence`` are what the two heads need where the model version carries no threshold that was
-    chosen on held-back experience, or always with ``thresholds="fixed"``. ``novelty_limit`` is a quantile of the distances of
-    what is familiar, ``trust_limit`` what revision's trust must reach, ``support`` how many validated experiences a treatment
-    needs.
-    """
-
-    thresholds: Literal["chosen", "fixed"] = "chosen"
-    confidence: float = 0.90
-    result_confidence: float = 0.55
-    novelty_limit: float = 0.99
-    trust_limit: float = 0.4
-    support: int = 1
-
-    @classmethod
-    def under(cls, settings: MindSettings) -> SelectionSettings:
-        """The defaults, with the mind's own rate of false alarms of novelty.
-
-        Raises:
-            ValueError: the rate is none.
-        """
-        if not 0.0 <= settings.novelty_rate < 1.0:
-            raise ValueError(f"novelty_rate is {settings.novelty_rate}; it is a share of the familiar events, from 0 to below 1")
-        return cls(novelty_limit=round(1.0 - settings.novelty_rate, _GATE_DIGITS))
 
 
 class Selector:
@@ -81,8 +47,7 @@ class Selector:
         guarantee: Guarantee | None = None,
     ) -> None:
         self.spec = spec
-        self._guarantee = guarantee
-        self.settings = settings
+        self._gating = Gating(settings, guarantee)
         self.encoder = Encoder(spec, treatments)
         self.allowed = tuple(name for name in treatments if not spec.treatments or name in spec.treatments)
         if not self.allowed:
@@ -142,7 +107,7 @@ class Selector:
         self._places = tuple(place.get(name) for name in self.allowed)
         self._card, self._predictor = card, predictor
         self._foresight = Foresight(
-            [self._basis(card, predictor, name) for name in self.allowed], self._places, self.settings.support
+            [self._basis(card, predictor, name) for name in self.allowed], self._places, self._gating.settings.support
         )
 
     def _basis(self, card: ModelCard, predictor: Predictor, treatment: str) -> Basis:
@@ -152,10 +117,10 @@ class Selector:
             watermark=card.watermark,
             treatments=self.allowed,
             labels=predictor.labels,
-            threshold=round(self._threshold(card, treatment), _GATE_DIGITS),
-            result_threshold=self._threshold(card, RESULT),
-            novelty_limit=self.settings.novelty_limit,
-            trust_limit=self.settings.trust_limit,
+            threshold=round(self._gating.threshold(card, treatment), GATE_DIGITS),
+            result_threshold=self._gating.threshold(card, RESULT),
+            novelty_limit=self._gating.settings.novelty_limit,
+            trust_limit=self._gating.settings.trust_limit,
             support=card.support.get(treatment, 0),
         )
 
@@ -201,7 +166,7 @@ class Selector:
             trust: revision's trust in ``seen``'s treatment.
             rests_on: ids of the nearest experiences.
         """
-        if self._foresight is None or self._guarantee is not None:
+        if self._foresight is None or self._gating.guarantee is not None:
             return None
         return self._foresight.choose(seen, trust, rests_on)
 
@@ -247,10 +212,10 @@ class Selector:
         return Decision(
             treatment=chosen,
             mode=mode,
-            confidence=round(ranked[0].probability, _GATE_DIGITS),
+            confidence=round(ranked[0].probability, GATE_DIGITS),
             candidates=ranked,
             reasons=tuple(reasons),
-            gate=self._gate(ranked[0].probability, self.settings.confidence, 1.0, trust.get(chosen, 1.0)),
+            gate=self._gating.gate(ranked[0].probability, self._gating.settings.confidence, 1.0, trust.get(chosen, 1.0)),
             prior=expected(self.spec, advice.leading),
             watermark=watermark,
             rests_on=nearest,
@@ -270,9 +235,9 @@ class Selector:
         raw = [0.0 if place is None else known[place] for place in self._places]
         total = sum(raw)
         shares = tuple(round(value / total, 9) for value in raw) if total > 0.0 else tuple(0.0 for _ in raw)
-        novelty = round(estimate.novelty, _GATE_DIGITS)
+        novelty = round(estimate.novelty, GATE_DIGITS)
         prior = dict(zip(predictor.labels, estimate.labels.tolist(), strict=True))
-        if novelty > self.settings.novelty_limit or total <= 0.0:
+        if novelty > self._gating.settings.novelty_limit or total <= 0.0:
             advice = advise(self.spec, self.allowed, event)
             chosen, reasons = self._advised(advice)
             if advice.leading is not None:
@@ -284,12 +249,8 @@ class Selector:
             ranked = _ranked(self.allowed, shares)
             chosen = ranked[0].treatment
             reasons = [said(ranked, card.version, card.watermark)]
-        gate = self._gate(ranked[0].probability, self._threshold(card, chosen), novelty, trust.get(chosen, 1.0))
-        audit: Audit | None = None
-        if self._guarantee is None:
-            mode, why = self._mode(chosen, gate, prior, card)
-        else:
-            mode, why, audit = self._guaranteed(self._guarantee, event, chosen, gate, prior, card)
+        gate = self._gating.gate(ranked[0].probability, self._gating.threshold(card, chosen), novelty, trust.get(chosen, 1.0))
+        mode, why, audit = self._gating.mode(event.id, chosen, gate, prior, card)
         return Decision(
             treatment=chosen,
             mode=mode,
@@ -304,52 +265,6 @@ class Selector:
             audit=audit,
         )
 
-    def _guaranteed(
-        self, guarantee: Guarantee, event: Event, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard
-    ) -> tuple[Mode, list[str], Audit | None]:
-        """How, under the guarantee gate: what is unfamiliar, untrusted or unheard of is no candidate, the rest is up to it."""
-        held_back = self._unfit(chosen, gate, card)
-        if held_back:
-            return ("fallback" if gate.novelty > gate.novelty_limit else "delib"), held_back, None
-        label, confidence = likeliest(prior)
-        audit = guarantee.rule(event.id, chosen, label, card.version, gate.confidence * confidence)
-        deliberated = audit.drawn and guarantee.settings.audit_by == "deliberation"
-        return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(audit, deliberated)], audit
-
-    def _unfit(self, chosen: str, gate: Gate, card: ModelCard) -> list[str]:
-        """What keeps the event from being automatic, whatever the confidence; empty where nothing does."""
-        if gate.novelty > gate.novelty_limit:
-            return [
-                f"Unlike anything experienced so far: novelty {gate.novelty:.3f} is above {gate.novelty_limit:g}, "
-                "so the treatment is provisional."
-            ]
-        doubts: list[str] = []
-        support = card.support.get(chosen, 0)
-        if support < self.settings.support:
-            doubts.append(
-                f"{chosen} has {support} validated experiences, automatic execution needs {self.settings.support}."
-                if support
-                else f"No experience of {chosen} has been validated yet."
-            )
-        if gate.trust < gate.trust_limit:
-            doubts.append(f"Trust in {chosen} is {gate.trust:.2f} after contradictions, below {gate.trust_limit:g}.")
-        return doubts
-
-    def _mode(self, chosen: str, gate: Gate, prior: Mapping[str, float], card: ModelCard) -> tuple[Mode, list[str]]:
-        """How: unfamiliar leads to fallback, doubt to deliberation, and only what is neither is automatic."""
-        doubts = self._unfit(chosen, gate, card)
-        if gate.novelty > gate.novelty_limit:
-            return "fallback", doubts
-        if gate.confidence < gate.threshold:
-            doubts.append(_below("The confidence in the treatment", gate.confidence, gate.threshold))
-        label, confidence = likeliest(prior)
-        needed = self._threshold(card, RESULT)
-        if confidence < needed:
-            doubts.append(_below(f"The forecast {label!r}", confidence, needed))
-        if doubts:
-            return "delib", doubts
-        return "auto", [automatic(gate, prior, needed, card.support.get(chosen, 0))]
-
     def _advised(self, advice: Advice) -> tuple[str, list[str]]:
         if advice.leading is not None:
             return advice.leading.treat, [f"Guideline: {advice.leading.because}"] + [
@@ -358,33 +273,8 @@ class Selector:
         general = next((name for name in GENERAL_TREATMENTS if name in self.allowed), self.allowed[0])
         return general, [f"No guideline of domain {self.spec.name} holds for this event."]
 
-    def _threshold(self, card: ModelCard, key: str) -> float:
-        default = self.settings.result_confidence if key == RESULT else self.settings.confidence
-        if self.settings.thresholds == "fixed":
-            return default
-        found = card.thresholds.get(key)
-        if found is None and key != RESULT:
-            found = card.thresholds.get(POOLED)
-        return default if found is None else found
-
-    def _gate(self, confidence: float, threshold: float, novelty: float, trust: float) -> Gate:
-        return Gate(
-            confidence=round(confidence, _GATE_DIGITS),
-            threshold=round(threshold, _GATE_DIGITS),
-            novelty=round(novelty, _GATE_DIGITS),
-            novelty_limit=self.settings.novelty_limit,
-            trust=round(trust, _GATE_DIGITS),
-            trust_limit=self.settings.trust_limit,
-        )
-
 
 def _ranked(names: tuple[str, ...], shares: tuple[float, ...], first: str = "") -> tuple[Candidate, ...]:
     """By probability rounded to 6 digits, then by the treatments' own order; ``first`` leads whatever its share."""
-    order = sorted(range(len(names)), key=lambda i: (names[i] != first, -round(shares[i], _GATE_DIGITS), i))
+    order = sorted(range(len(names)), key=lambda i: (names[i] != first, -round(shares[i], GATE_DIGITS), i))
     return tuple(Candidate(treatment=names[i], probability=shares[i]) for i in order)
-
-
-def _below(what: str, number: float, needed: float) -> str:
-    if needed > 1.0:
-        return f"{what} ({number:.3f}) does not count yet: on held-back experience even the most confident went wrong too often."
-    return f"{what} ({number:.3f}) is below {needed:.2f}."
