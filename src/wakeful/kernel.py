@@ -175,6 +175,10 @@ class Kernel:
         """How many steps may still be done in this feed; None: all that are due."""
         return self._left
 
+    def enough(self) -> None:
+        """No further step in this feed: its driver's clock says so, between two treatments' turns."""
+        self._left = 0
+
     def spent(self, steps: int) -> None:
         """So many steps were done within this feed."""
         self.steps_done += steps

@@ -23,6 +23,7 @@ class Room:
         self._load = load
         self._waiting: deque[asyncio.Future[None]] = deque()
         self._critical: deque[asyncio.Future[None]] = deque()
+        self._entering = 0
 
     @property
     def waiting(self) -> int:
@@ -48,15 +49,19 @@ class Room:
         finally:
             if turn in queue:
                 queue.remove(turn)
+            elif not turn.cancelled() and turn.exception() is None:
+                self._entering -= 1
 
     def let_in(self) -> None:
-        """Something was begun: so many may come in as there is room for, criticals first."""
-        load = self._load()
+        """Something was begun: so many may come in as there is room for, criticals first. Who was let in and has not offered
+        anything yet has his place."""
+        load = self._load() + self._entering
         for queue, most in ((self._critical, self._most), (self._waiting, self._most_uncritical)):
             while queue and load < most:
                 turn = queue.popleft()
                 if not turn.done():
                     turn.set_result(None)
+                    self._entering += 1
                     load += 1
 
     def close(self, error: Exception) -> None:

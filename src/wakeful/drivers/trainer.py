@@ -34,6 +34,11 @@ class Trainer:
         """The instant at which the first of the running trainings is to be published."""
         return min((training.publish_ns for training, _ in self._running.values()), default=None)
 
+    @property
+    def ended(self) -> bool:
+        """Whether one has ended."""
+        return any(future.done() for _, future in self._running.values())
+
     def take(self, publish_ns: int) -> list[Trained]:
         """Wait for the trainings that are to be published by then, and hand them over in order."""
         due = sorted(number for number, (training, _) in self._running.items() if training.publish_ns <= publish_ns)
