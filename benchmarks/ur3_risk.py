@@ -4,7 +4,8 @@ Run: `./run python -m benchmarks.ur3_risk SOURCE [--json] [--picture FILE.svg]`.
 mind that may only treat by `risk_prediction`; each event's probabilities were recorded before its outcome came. Scored is the
 second half. The base rate is the share of each outcome among those known when the event was admitted; the logistic regression
 knows the same outcomes, on the encoder's features of the event, and is fitted anew every 25 of them. Intervals: 95 %, by
-resampling blocks of 20 neighbouring events (seed 0), of the difference to the base rate.
+resampling blocks of 20 neighbouring events (seed 0), of the difference to the logistic regression and to the base rate (below
+zero is better).
 """
 
 from __future__ import annotations
@@ -125,17 +126,18 @@ def scores(told: list[Foretold], labels: tuple[str, ...]) -> Iterator[dict[str, 
         came = np.array([each.outcome == label for each in told], dtype=float)
         errors = {name: (np.array([each.shares[name][place] for each in told]) - came) ** 2 for name in NAMES}
         for name in NAMES:
-            gap = (errors[name] - errors["base_rate"])[drawn].mean(axis=1)
-            low, high = np.percentile(gap, [2.5, 97.5])
+            against = {
+                other: [float(each) for each in ((errors[name] - errors[other]).mean(), *np.percentile(gap, [2.5, 97.5]))]
+                for other in NAMES[1:]
+                for gap in [(errors[name] - errors[other])[drawn].mean(axis=1)]
+            }
             yield {
                 "outcome": label,
                 "method": name,
                 "events": len(told),
                 "came": float(came.mean()),
                 "brier": float(errors[name].mean()),
-                "against_base_rate": float((errors[name] - errors["base_rate"]).mean()),
-                "low": float(low),
-                "high": float(high),
+                "against": against,
                 "reliability": bins(np.array([each.shares[name][place] for each in told]), came),
             }
 
@@ -186,10 +188,18 @@ def main() -> None:
         print(json.dumps(rows, indent=2))
         return
     print(f"{len(told)} events decided by the world, the later {len(later)} scored")
-    print(f"{'outcome':16} {'method':20} {'came':>6} {'Brier':>7} {'against base rate (95 %)':>30}")
+    print(
+        f"{'outcome':15} {'method':19} {'came':>6} {'Brier':>7} {'against logistic (95 %)':>29} {'against base rate (95 %)':>29}"
+    )
     for row in rows:
-        gap = f"{row['against_base_rate']:+.4f} ({row['low']:+.4f} to {row['high']:+.4f})"
-        print(f"{row['outcome']:16} {row['method']:20} {100 * row['came']:5.1f}% {row['brier']:7.4f} {gap:>30}")
+        gaps = [
+            f"{gap:+.4f} ({low:+.4f} to {high:+.4f})" if row["method"] != other else ""
+            for other, (gap, low, high) in row["against"].items()  # type: ignore[attr-defined]
+        ]
+        print(
+            f"{row['outcome']:15} {row['method']:19} {100 * row['came']:5.1f}% {row['brier']:7.4f} "  # type: ignore[operator]
+            f"{gaps[0]:>29} {gaps[1]:>29}".rstrip()
+        )
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@ import pytest
 from tests.treatments.worlds import BARE, DOMAIN, episode, event, script
 from wakeful.facts.asking import Reply
 from wakeful.testing import ScriptedMind
-from wakeful.treatments.forecasting import Voice, model_voice, pooled, prior_voice, recalled_voice
+from wakeful.treatments.forecasting import Voice, lately_voice, model_voice, pooled, prior_voice, recalled_voice
 
 
 def mind(mode: str = "auto", **told: object) -> ScriptedMind:
@@ -76,3 +76,18 @@ def test_a_forecast_is_addressed_as_the_domain_matches_outcomes() -> None:
     robot = ScriptedMind(BARE, "auto", script(prior={"none": 1.0}))
     assert BARE.outcome.scope == "entity"
     assert pooled(robot, event(), []) is not None
+
+
+def test_the_last_events_of_the_kind_weigh_by_how_long_ago_they_were() -> None:
+    past = [
+        episode("new", 0.0, outcome="stop"),
+        episode("old", 600.0, outcome="none"),
+        episode("other", 0.0, kind="door_open", outcome="drop"),
+        episode("open", 0.0),
+        episode("foreign", 0.0, outcome="explosion"),
+    ]
+    voice = lately_voice(mind(), event(), past, half_life_s=600.0)
+    assert voice is not None
+    assert voice.cases == pytest.approx(1.5)
+    assert voice.probabilities == pytest.approx({"stop": 1 / 1.5, "none": 0.5 / 1.5})
+    assert lately_voice(mind(), event(), past[2:], half_life_s=600.0) is None

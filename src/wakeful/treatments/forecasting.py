@@ -14,6 +14,7 @@ from wakeful.facts.decisions import Mode
 from wakeful.facts.domain import DomainSpec
 from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast
+from wakeful.facts.time import to_s
 from wakeful.facts.values import Fact
 from wakeful.treatments.measures import number, significant
 from wakeful.treatments.overlap import worth
@@ -66,6 +67,25 @@ def recalled_voice(mind: Mind, event: Event, episodes: Iterable[Episode], ranked
     if total <= 0.0:
         return None
     return Voice(who="recalled outcomes", probabilities={label: c / total for label, c in counts.items()}, cases=total)
+
+
+def lately_voice(mind: Mind, event: Event, episodes: Iterable[Episode], half_life_s: float) -> Voice | None:
+    """How the last events of this kind ended, each weighing half as much for every ``half_life_s`` that it is older.
+
+    What comes is seldom drawn from the same share for long: while a part sits wrong or a battery is low, the last ones tell more
+    than the likest ones.
+    """
+    counts: dict[str, float] = {}
+    for episode in episodes:
+        if episode.kind == event.kind and episode.outcome in mind.domain.outcome.labels:
+            age_s = max(to_s(event.stamp.source_ns - episode.at_ns), 0.0)
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + 0.5 ** (age_s / half_life_s)
+    total = sum(counts.values())
+    if total <= 0.0:
+        return None
+    return Voice(
+        who=f"the last {event.kind} events", probabilities={label: c / total for label, c in counts.items()}, cases=total
+    )
 
 
 def model_voice(domain: DomainSpec, who: str, chances: Mapping[str, float], cases: float = TABLE_CASES) -> Voice | None:

@@ -15,11 +15,19 @@ from wakeful.facts.time import to_ns
 from wakeful.facts.values import Fact
 from wakeful.treatments.consulting import Consultation, consult
 from wakeful.treatments.decorator import treatment
-from wakeful.treatments.forecasting import Voice, expectation, forecast_reasons, model_voice, pooled, recalled_voice
+from wakeful.treatments.forecasting import (
+    Voice,
+    expectation,
+    forecast_reasons,
+    lately_voice,
+    model_voice,
+    pooled,
+    recalled_voice,
+)
 from wakeful.treatments.hazards import RATINGS, HazardRow, assess, shows_as, worst
 from wakeful.treatments.kinematics import Countdown, countdown, to_limit
 from wakeful.treatments.measures import number
-from wakeful.treatments.remembering import resting, similar
+from wakeful.treatments.remembering import of_kind, resting, similar
 from wakeful.treatments.rollout import Body, Rollout, tip_over
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.waiting import Askable, askable, patience_s, reading
@@ -40,6 +48,10 @@ class RiskSettings(Fact, frozen=True):
     """How many cases a reasoner's likelihood of a hazard weighs, once its answer has passed the check."""
     rollout_s: float = 0.0
     """How far ahead a body (``width_m``, ``height_m``, ``tilt_deg``) is rolled out, deliberating (extra ``physics``); 0: not."""
+    lately: int = 24
+    """So many of the last events of the kind are asked how they ended; 0: none."""
+    lately_windows: float = 40.0
+    """In so many outcome windows such an event comes to weigh half as much."""
     wait_periods: float = 2.0
     """How many periods of an evidence source to wait for its next reading."""
 
@@ -80,6 +92,7 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
     """
     await mind.work(2)
     past = await similar(event, mind, settings.cases_deliberating if mind.mode == "delib" else settings.cases)
+    last = (await of_kind(event, mind, event.kind, settings.lately)).episodes if settings.lately else ()
     ahead = countdown(event.fields)
     asked: list[str] = []
     heard: list[str] = []
@@ -107,6 +120,7 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
     judged = await _judgement(event, mind, past)
     voices = [
         recalled_voice(mind, event, past),
+        lately_voice(mind, event, last, settings.lately_windows * mind.domain.outcome.within_s),
         model_voice(mind.domain, "hazard table", told),
         _reasoned(mind, judged, settings),
     ]
