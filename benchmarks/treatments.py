@@ -1,6 +1,6 @@
-"""How long each built-in treatment holds the kernel for one event, and how much it recalls into the journal.
+"""How long each treatment of this machine holds the kernel for one event, and how much it recalls into the journal.
 
-Run: `python benchmarks/treatments.py [--rounds 200]`. A scripted mind answers at once from forty remembered cases of the
+Run: `./run python benchmarks/treatments.py [--rounds 200]`: the built-in treatments, and those of installed packages. A scripted mind answers at once from forty remembered cases of the
 simulated service robot, so that what is measured is the thinking and the trampoline, not the search. Prints medians and the
 range from the 10th to the 90th percentile in microseconds, steps of work, and the bytes of answers and result as JSON.
 """
@@ -22,7 +22,7 @@ from wakeful.facts.decisions import Mode
 from wakeful.facts.events import Context, Event
 from wakeful.facts.time import Stamp, to_ns
 from wakeful.testing import Script, ScriptedMind
-from wakeful.treatments.registry import BUILT_IN
+from wakeful.treatments.registry import Registry
 
 NOW_S = 10_000.0
 MODES: tuple[Mode, ...] = ("auto", "delib")
@@ -76,7 +76,8 @@ def main() -> None:
     domain = load("service_robot").spec
     met, script = event(), Script(episodes=cases(), prior={"none": 0.6, "intervention": 0.4}, now_s=NOW_S)
     print(f"{'treatment':16} {'mode':6} {'median':>8} {'10 %':>8} {'90 %':>8} {'steps':>6} {'recalled':>9} {'result':>7}")
-    for treatment in BUILT_IN:
+    registry = Registry()
+    for treatment in map(registry.get, registry.names()):
         for mode in MODES:
             took = []
             for _ in range(rounds):

@@ -15,6 +15,7 @@ import subprocess
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from itertools import islice
 from pathlib import Path
 
@@ -143,10 +144,16 @@ def _wrapped(name: str, text: str) -> str:
 
 def figures(arguments: list[str], begins: str | tuple[str, ...], data: Path) -> str:
     """What a command printed, the lines that begin so."""
-    command = [sys.executable, *(each.format(data=data) for each in arguments)]
-    done = subprocess.run(command, cwd=HERE.parent.parent, capture_output=True, text=True, check=True)
-    kept = [line.rstrip() for line in done.stdout.splitlines() if line.startswith(begins)]
+    kept = [line.rstrip() for line in _printed(tuple(each.format(data=data) for each in arguments)) if line.startswith(begins)]
     return "```text\n" + "\n".join(kept) + "\n```"
+
+
+@cache
+def _printed(arguments: tuple[str, ...]) -> list[str]:
+    """What a command prints; run once, however many pages show parts of it."""
+    command = [sys.executable, *arguments]
+    done = subprocess.run(command, cwd=HERE.parent.parent, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
 
 
 def fill(page: Path, mark: str, text: str) -> None:
