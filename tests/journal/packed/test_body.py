@@ -19,7 +19,8 @@ from wakeful.facts.values import Raw
 from wakeful.journal.packed import body as bodies
 from wakeful.journal.packed.body import BROKEN, SQUEEZED, BodyReader, BodyWriter
 from wakeful.journal.packed.coders import Coders, UnknownField
-from wakeful.journal.packed.quick import quick_writers
+from wakeful.journal.packed.quick_reading import quick_readers
+from wakeful.journal.packed.quick_writing import quick_writers
 from wakeful.journal.packed.words import UnknownWord, Words
 
 _BURSTS, _RECORDS = get_args(AnyBurst), get_args(AnyRecord)
@@ -61,6 +62,20 @@ def test_the_writers_by_hand_write_what_the_general_ones_do(burst: Any) -> None:
         assert encode(quick[type(burst)](burst)) == encode(general(by_type, type(burst))(burst))
 
 
+@settings(max_examples=80, deadline=None)
+@given(st.sampled_from((Covered, Ran, Validated)).flatmap(any_of))
+def test_the_readers_by_hand_read_what_the_general_ones_do(burst: Any) -> None:
+    words = Words()
+    write = general(words, type(burst))
+    by_hand = quick_readers(words, bodies._schema(), lambda cls: bodies._reader(Coders(words, bodies._schema()), cls))
+    by_type = bodies._reader(Coders(words, bodies._schema()), type(burst))
+    for _ in range(8):
+        plain = msgspec.msgpack.encode(write(burst))
+        read = by_hand[type(burst)](msgspec.msgpack.decode(plain))
+        assert read == by_type(msgspec.msgpack.decode(plain)) == burst
+        assert msgspec.json.encode(read) == msgspec.json.encode(by_type(msgspec.msgpack.decode(plain)))
+
+
 def general(words: Words, cls: type) -> Any:
     return bodies._writer(Coders(words, bodies._schema()), cls)
 
@@ -73,6 +88,7 @@ def test_the_writers_by_hand_know_the_facts_as_they_are() -> None:
 def test_a_fact_with_other_fields_is_left_to_the_general_writers() -> None:
     schema = {**bodies._schema(), "Stamp": ("source_ns",)}
     assert quick_writers(Words(), schema, lambda _: lambda fact: fact) == {}
+    assert quick_readers(Words(), schema, lambda _: lambda fact: fact) == {}
 
 
 def test_an_integer_that_msgpack_cannot_say_is_kept_all_the_same() -> None:

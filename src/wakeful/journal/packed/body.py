@@ -13,7 +13,8 @@ from msgspec import inspect
 from wakeful.facts.lines import AnyRecord, Compacted, Line
 from wakeful.facts.packs import AnyBurst, Entry, Pack, expanded
 from wakeful.journal.packed.coders import Coder, Coders, Turn, UnknownField, struct_type
-from wakeful.journal.packed.quick import quick_writers
+from wakeful.journal.packed.quick_reading import quick_readers
+from wakeful.journal.packed.quick_writing import quick_writers
 from wakeful.journal.packed.words import UnknownWord, Words
 
 #: How a body is written. ``PLAIN`` is msgpack; ``SQUEEZED`` is that through zlib, for rows that are seldom read.
@@ -119,8 +120,11 @@ class BodyReader:
 
     def _learn(self, schema: bytes) -> _ByTag:
         names = msgspec.json.decode(self._words.text(schema), type=dict[str, tuple[str, ...]])
-        coders = Coders(self._words, {**_schema(), **names})
+        fields = {**_schema(), **names}
+        coders = Coders(self._words, fields)
         by_name = {cls.__name__: (cls in _BURSTS, coders.of(struct_type(cls))) for cls in (*_BURSTS, *_RECORDS)}
+        for cls, read in quick_readers(self._words, fields, lambda cls: _reader(coders, cls)).items():
+            by_name[cls.__name__] = (cls in _BURSTS, Coder(None, read))
         by_name[_JSON] = (False, Coder())
         self._coders[schema] = known = _ByTag(by_name)
         return known
@@ -147,6 +151,13 @@ def _writer(coders: Coders, cls: type) -> Turn:
     if write is None:
         raise TypeError(f"{cls.__name__} has no fields to write")
     return write
+
+
+def _reader(coders: Coders, cls: type) -> Turn:
+    read = coders.of(struct_type(cls)).read
+    if read is None:
+        raise TypeError(f"{cls.__name__} has no fields to read")
+    return read
 
 
 @cache
