@@ -1,8 +1,9 @@
 """How long each treatment of this machine holds the kernel for one event, and how much it recalls into the journal.
 
-Run: `./run python benchmarks/treatments.py [--rounds 200]`: the built-in treatments, and those of installed packages. A scripted mind answers at once from forty remembered cases of the
-simulated service robot, so that what is measured is the thinking and the trampoline, not the search. Prints medians and the
-range from the 10th to the 90th percentile in microseconds, steps of work, and the bytes of answers and result as JSON.
+Run: `./run python benchmarks/treatments.py [--rounds 200]`: the built-in treatments, and those of installed packages. A scripted
+mind answers at once from forty remembered cases of the simulated service robot, so that what is measured is the thinking and the
+trampoline, not the search. Prints medians and the range from the 10th to the 90th percentile in microseconds, steps of work, and
+the bytes of answers and result as JSON.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from wakeful.treatments.measures import number, significant
 from wakeful.treatments.overlap import Meanings, Overlap, overlap, worth
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.unmet_words import Meant, meanings, meant
+from wakeful.treatments.unmet_words import Meant, meanings, meant, unmet
 from wakeful.treatments.wording import bare, brief, percent, subject
 
 
@@ -35,7 +35,7 @@ class AnalogySettings(Fact, frozen=True):
     meaning: bool = True
     """Whether words that were never met are compared with known ones by their meaning, outside auto mode (extra ``analogy``)."""
     looked_at: int = 24
-    """How many cases are then recalled, the best of which are kept: the search knows nothing of meaning."""
+    """How many cases are recalled where there is such a word, the best of which are kept: the search knows nothing of meaning."""
 
 
 class Case(Fact, frozen=True):
@@ -93,8 +93,11 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     await mind.work(1)
     kept = settings.cases_deliberating if mind.mode == "delib" else settings.cases
     by_meaning = settings.meaning and mind.mode != "auto" and installed()
-    found = await similar(event, mind, max(settings.looked_at, kept) if by_meaning else kept)
-    new = await meant(event, found, mind) if by_meaning else ()
+    found = await similar(event, mind, kept)
+    new: tuple[Meant, ...] = ()
+    if by_meaning and settings.looked_at > kept and unmet(event, found, mind):
+        found = await similar(event, mind, settings.looked_at)
+        new = await meant(event, found, mind)
     await mind.work(1)
     if not new:
         found = found[:kept]
