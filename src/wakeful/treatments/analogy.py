@@ -95,8 +95,8 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     by_meaning = settings.meaning and mind.mode != "auto" and installed()
     found = await similar(event, mind, kept)
     new: tuple[Meant, ...] = ()
-    if by_meaning and settings.looked_at > kept and unmet(event, found, mind):
-        found = await similar(event, mind, settings.looked_at)
+    if by_meaning and unmet(event, found, mind):
+        found = await similar(event, mind, max(settings.looked_at, kept))
         new = await meant(event, found, mind)
     await mind.work(1)
     if not new:
