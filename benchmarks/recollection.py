@@ -10,7 +10,8 @@ own episodic memory (`learning.Episodes`), in auto mode.
 - **Types**: as above, but what an object is shows only in the word for it (`TYPES`: eight each of items, obstacles and devices,
   written down before anything was run); the category is not told. Two types of each category are left out, drawn by the seed,
   and 200 encounters of just those come. The treatment deliberates, with no reasoner, over attributes alone and with meaning (the
-  extra `analogy`); `category told` is what attributes alone reach where the category is a field: no embedding can do better.
+  extra `analogy`); `category told` is what attributes alone reach where the category is a field: no embedding can do better;
+  `category by name alone` is the share of all types whose category the encoder finds among the others (no seed: all 24).
 - **Memory**: 400 encounters come one after the other, of 40 objects. An encounter is a repeat where the same object was met
   before with the same fields but for load (within a twentieth). Recall is the share of repeats that `memory` says were just so
   before; false alarms the share of the others.
@@ -56,6 +57,7 @@ from wakeful.learning.episodes import Episodes
 from wakeful.selection.features import Encoder
 from wakeful.testing import Script, ScriptedMind
 from wakeful.treatments.analogy import Analogy, AnalogySettings, analogy, liken
+from wakeful.treatments.meaning import counts, nearness
 from wakeful.treatments.memory import Memory, memory
 
 SEEDS, REMEMBERED, TESTED, OBJECTS, RECALLED = 10, 400, 200, 40, 24
@@ -217,6 +219,18 @@ def types_left_out(seed: int, types: Mapping[str, Sequence[str]] = TYPES) -> dic
     return {name: right[name] / TESTED for name in (*asked, "nearest neighbour", "five nearest")}
 
 
+def by_name(types: Mapping[str, Sequence[str]] = TYPES) -> float:
+    """The share of types whose category the encoder finds: the one whose other types count most beside it."""
+    names = {name: category for category, those in types.items() for name in those}
+    right = 0
+    for name, category in names.items():
+        others = [other for other in names if other != name]
+        told = counts(dict(zip(others, nearness([name], others)[0], strict=True)))
+        weights = {each: sum(count for other, count in told.items() if names[other] == each) for each in types}
+        right += max(weights, key=lambda each: weights[each]) == category
+    return right / len(names)
+
+
 class _Likening:
     """Analogy with or without meaning."""
 
@@ -263,6 +277,7 @@ def rows() -> Iterator[dict[str, object]]:
     for category in CATEGORIES:
         yield from _spread(f"analogy, {category} left out", [left_out(category, seed) for seed in range(SEEDS)], "analogy")
     yield from _spread("analogy, types left out", [types_left_out(seed) for seed in range(SEEDS)], MEANT)
+    yield {"what": "analogy, types left out", "figure": "category by name alone", "mean": by_name(), "sd": 0.0, "seeds": 1}
     yield from _spread("memory", [repeats(seed) for seed in range(SEEDS)])
 
 
