@@ -20,6 +20,7 @@ SPEC = DomainSpec(
         "state": FieldSpec(values=("normal", "odd")),
         "load": FieldSpec(low=0.0, high=1.0),
         "flat": FieldSpec(low=2.0, high=2.0),
+        "place": FieldSpec(low=-2.0, high=2.0, size=3),
     },
     detect=(DetectorSpec(detector="band", kind="seen"),),
 )
@@ -28,15 +29,17 @@ BATCH = BatchEncoder(ENCODER)
 
 categories = st.sampled_from(["item", "device"]) | st.sampled_from(["other", 7, True, None, float("nan"), (1.0, 2.0)])
 numbers = st.floats(-3, 3) | st.sampled_from([0, 1, True, "0.5", None, 10**400, float("inf"), float("nan"), (0.5,), 1e301])
+places = st.lists(st.floats(-3, 3) | st.sampled_from([float("nan"), float("inf"), 1e301]), max_size=4).map(tuple)
 plain = st.fixed_dictionaries(
     {
         "category": st.sampled_from(["item", "device"]),
         "state": st.sampled_from(["normal", "odd"]),
         "load": st.floats(-3, 3),
         "flat": st.integers(-3, 3),
+        "place": st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.integers(-3, 3)),
     }
 )
-odd = st.dictionaries(st.sampled_from(["category", "state", "load", "flat", "new"]), categories | numbers)
+odd = st.dictionaries(st.sampled_from(["category", "state", "load", "flat", "place", "new"]), categories | numbers | places)
 contexts = st.just(Context()) | st.builds(
     Context,
     task=st.sampled_from(["", "pick 12"]),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from hashlib import blake2b
 from itertools import islice
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -68,6 +69,10 @@ def bucket(token: str, buckets: int) -> int:
     return int.from_bytes(blake2b(token.encode("utf-8", "surrogatepass"), digest_size=8).digest(), "little") % buckets
 
 
+Declared: TypeAlias = tuple[str, FieldSpec, int, dict[str, int], float]
+"""Name, specification, first column, columns by category, and scale of a declared field."""
+
+
 class Encoder:
     """Turns the events of one domain into vectors of length ``size``. Pure, apart from a bounded memo of buckets.
 
@@ -86,8 +91,7 @@ class Encoder:
         self.columns: tuple[str, ...] = ()
         self.groups: dict[str, tuple[int, ...]] = {}
         self._names: list[str] = []
-        self.fields: list[tuple[str, FieldSpec, int, dict[str, int], float]] = []
-        """Name, specification, first column, columns by category, and scale of each declared field."""
+        self.fields: list[Declared] = []
         for name, field in spec.fields.items():
             self._declare(name, field)
         kinds = tuple(dict.fromkeys(detector.kind for detector in spec.detect))
@@ -117,19 +121,16 @@ class Encoder:
         """The event's features, shape (size,): finite whatever the event carries."""
         row = np.zeros(self.size)
         fields, context = event.fields, event.context
-        for name, field, start, places, scale in self.fields:
+        for declared in self.fields:
+            name = declared[0]
             value = fields.get(name, _ABSENT)
             if value is _ABSENT:
                 value = context.fields.get(name)
-            self._write(row, name, value, field, start, places, scale)
-        declared = self._declared
-        if len(fields) > len(self.fields) or not declared.issuperset(fields):
-            for name, value in islice(fields.items(), UNDECLARED_LIMIT):
-                if name not in declared:
-                    self._write_undeclared(row, name, value)
+            self.write_field(row, declared, value)
+        self.write_others(row, fields)
         if context.fields:
             for name, value in islice(context.fields.items(), UNDECLARED_LIMIT):
-                if name not in declared:
+                if name not in self._declared:
                     self._write_undeclared(row, f"context.{name}", value)
         row[self.kind(event.kind)] = 1.0
         row[self.entity(event.entity)] = 1.0
@@ -169,9 +170,17 @@ class Encoder:
             self.fields.append((name, field, start, {}, 1.0 / span if span and math.isfinite(span) else 0.0))
         self._add(name, f"{name} missing")
 
-    def _write(
-        self, row: Vector, name: str, value: object, field: FieldSpec, start: int, places: dict[str, int], scale: float
-    ) -> None:
+    def write_others(self, row: Vector, fields: Mapping[str, Field]) -> None:
+        """Write the fields that the domain does not declare."""
+        declared = self._declared
+        if len(fields) > len(self.fields) or not declared.issuperset(fields):
+            for name, value in islice(fields.items(), UNDECLARED_LIMIT):
+                if name not in declared:
+                    self._write_undeclared(row, name, value)
+
+    def write_field(self, row: Vector, declared: Declared, value: object) -> None:
+        """Write a declared field, whatever it holds; None: it is missing."""
+        name, field, start, places, scale = declared
         if places:
             if value is None or value != value:  # NaN is no category
                 row[start + 1] = 1.0
