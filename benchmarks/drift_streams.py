@@ -5,8 +5,8 @@
 Wants ../shared/data, river (dev group `bench`) and the extra `xlsx`. Each row is an event; a kernel with the product's defaults
 forecasts its class by a treatment that says what the mind's prior says, and the outcome is told 20 events later. Nobody helps:
 the reasoner that it deliberates with is the offline guidelines, and none are written for these streams, so it is a stand-in that
-knows nothing but how like cases ended. river's adaptive random forest and leveraging bagging, both with their defaults and seed 0,
-answer each event before its class is known and learn it 20 events later; no-change says the class that was last known.
+knows nothing but how like cases ended. river's adaptive random forest and leveraging bagging, both with their defaults and seed
+0, answer each event before its class is known and learn it 20 events later; no-change says the class that was last known.
 
 What was chosen was chosen on the first 3,000 events of Elec2, which are left out here: `elec2` begins after them. Of UR3 the
 class is what comes within the next 20 s. Of `outdoor` half as many events are taken: leveraging bagging takes a tenth of a second

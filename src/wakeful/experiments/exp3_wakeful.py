@@ -31,6 +31,7 @@ from wakeful.learning.belief import Expected
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.pooled import Pooled
+from wakeful.learning.recent import Recent
 from wakeful.selection.gating import SelectionSettings
 from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import Selector
@@ -119,6 +120,7 @@ class Wakeful:
         self._learner = learner or Pooled()
         self._selector = Selector(spec(), TREATMENTS, self._learner, GATE)
         self.memory = Exemplars(self._selector.encode, TREATMENTS, OUTCOMES, expected=expected)
+        self.recent = Recent(self._selector.encode, self._selector.encode_many, OUTCOMES)
         plan = msgspec.structs.replace(PLAN, seed=world.seed)
         self._learning = Learning(spec(), TREATMENTS, self._learner, self._selector.encode, plan)
         self._met = np.zeros(self._selector.encoder.size, dtype=np.bool_)
@@ -135,7 +137,9 @@ class Wakeful:
         own = event(met, PRETRAINING + 1 + place)
         decision = self._decision(own)
         self._events[place] = own
-        self.memory.apply(Decided(process=own.position, event=own.id, decision=decision))
+        decided = Decided(process=own.position, event=own.id, decision=decision)
+        self.memory.apply(decided)
+        self.recent.apply(decided)
         label = _likeliest(decision)
         if decision.mode == "auto":
             treatment, outcome = TREATMENTS.index(decision.treatment), OUTCOMES.index(label)
@@ -162,11 +166,17 @@ class Wakeful:
     def _decision(self, own: Event) -> Decision:
         features = self._selector.encode(own)
         card = self._selector.card
-        decision = self._selector.decide(own, {}, (), card.watermark if card is not None else 0)
+        seen = alone = self._selector.see(own)
+        if seen is not None and self.recent.heard:
+            seen = self._selector.joined(seen, self.recent.join(seen[2], features))
+        decision = self._selector.decide(own, {}, (), card.watermark if card is not None else 0, seen)
+        if seen is not alone and alone is not None:
+            decision = msgspec.structs.replace(decision, foretold=self._selector.forecast(alone))
         if ((features != 0.0) & ~self._met).any():
             # A value that was never met before: a new type.
             decision = msgspec.structs.replace(decision, mode="fallback")
-        if decision.mode == "auto" and not self.memory.contested(features, self._selector.predictor):
+        sure = decision.mode == "auto" and not self.memory.contested(features, self._selector.predictor)
+        if sure or self.recent.outdoes_memory:
             return decision
         return with_memory(decision, self.memory.recall(features, self._selector.predictor))
 
@@ -186,6 +196,7 @@ class Wakeful:
         self._met |= self._selector.encode(own) != 0.0
         self._learning.apply(Gained(experience=experience), own)
         self.memory.apply(Gained(experience=experience), own)
+        self.recent.gain(experience, own)
 
     def _train(self, asked: TrainingAsked) -> None:
         self._learning.apply(asked)

@@ -37,7 +37,8 @@ RESCALED: Final = 64
 """Columns are scaled anew after so many rows."""
 _LATEST: Final = len(WINDOWS) - 1
 _NEAR: Final = 0.01
-_COUNT: Final = 0.01
+_COUNT: Final = 3.0
+"""What each label counts beside the votes: of an event that is far from all its neighbours little is said."""
 _LEAST_SCALE: Final = 1e-3
 _LEAST_CATEGORY: Final = 0.25
 """A category that was seldom met must not stand for more than several numbers together."""
@@ -60,17 +61,14 @@ class Windows:
         self._label: npt.NDArray[np.int64] = np.zeros(2 * LONGEST, dtype=np.int64)
         self._waiting: list[Event] = []
         self._first = 0
-        self._rates: tuple[int, Vector] = (-1, np.zeros(0))
+        self._rates: tuple[tuple[int, int], Vector] = ((-1, -1), np.zeros(0))
         self.count = 0
         """How many rows were ever kept; the next one's number."""
 
     def add(self, event: Event, label: int) -> None:
         """One more experience; its features are made when they are asked for, many at once."""
         if self.count - self._first == 2 * LONGEST:
-            self._write()
-            self._first += LONGEST
-            self._rows[:LONGEST] = self._rows[LONGEST:]
-            self._label[:LONGEST] = self._label[LONGEST:]
+            self._drop()
         self._label[self.count - self._first] = label
         self._waiting.append(event)
         self.count += 1
@@ -104,6 +102,16 @@ class Windows:
             found[place] += np.bincount(label[likest], weight, self._labels)
         return np.asarray(found / found.sum(axis=1, keepdims=True))
 
+    def _drop(self) -> None:
+        """Let go of the older half; what was never asked for of it is never encoded."""
+        if len(self._waiting) < LONGEST:
+            self._write()
+            self._rows[:LONGEST] = self._rows[LONGEST:]
+        else:
+            del self._waiting[:-LONGEST]
+        self._first += LONGEST
+        self._label[:LONGEST] = self._label[LONGEST:]
+
     def _write(self) -> None:
         waiting, self._waiting = self._waiting, []
         if not waiting:
@@ -117,9 +125,9 @@ class Windows:
     def _rate(self, before: int) -> Vector:
         """What differences are multiplied by, from the rows up to the last multiple of ``RESCALED`` (or up to ``before``)."""
         until = before - before % RESCALED if before - before % RESCALED > self._first else before
-        if self._rates[0] != until:
+        if self._rates[0] != (until, self._first):
             rows = self._rows[max(0, until - LONGEST - self._first) : until - self._first]
             category = ((rows == 0.0) | (rows == 1.0)).all(axis=0)
             scale = np.maximum(rows.std(axis=0), np.where(category, _LEAST_CATEGORY, _LEAST_SCALE))
-            self._rates = (until, 1.0 / scale)
+            self._rates = ((until, self._first), 1.0 / scale)
         return self._rates[1]
