@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import sys
 from itertools import pairwise
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -24,7 +25,7 @@ import numpy as np
 
 from benchmarks.rivals import Fitted, Floats, NearestNeighbour, Rival, embedded
 from benchmarks.streams import TREATMENT, Recorded, Stream, disengagements, outdoor, robot_failures
-from wakeful.contracts.learner import Learner
+from wakeful.contracts.learner import Learner, MissingLearner
 from wakeful.drivers.assembly import assemble
 from wakeful.facts.decisions import Candidate, Decision, Gate
 from wakeful.facts.domain import OutcomeSpec
@@ -33,7 +34,7 @@ from wakeful.facts.experience import Verdict
 from wakeful.facts.inputs import TrainingJob
 from wakeful.facts.lines import Certified, Concluded, Created, Decided, Judged, Revoked, Witnessed
 from wakeful.facts.values import NOTHING
-from wakeful.learning.pooled import Pooled
+from wakeful.learning.pooled import Pooled, PooledSettings
 from wakeful.selection.features import Encoder
 from wakeful.selection.gating import SelectionSettings
 from wakeful.selection.guarantee import Guarantee, GuaranteeSettings
@@ -144,7 +145,10 @@ def selector(stream: Stream, learner: Learner, seed: int, as_treatment: bool) ->
     ``as_treatment``: the class is what treatment an event needs, each with a certificate of its own. Otherwise it is the result
     of the one treatment that they all get.
     """
-    told, when = Told(f"wakeful's selector, class as {'treatment' if as_treatment else 'result'}"), instants(stream)
+    told, when = (
+        Told(f"wakeful's selector ({learner.name}), class as {'treatment' if as_treatment else 'result'}"),
+        instants(stream),
+    )
     gated, classes = Gated(told), stream.spec.outcome.labels
     spec = stream.spec
     if as_treatment:
@@ -209,6 +213,15 @@ def _threshold(scores: Floats, right: np.ndarray) -> float:
     return float(scores[order][fine[-1]]) if len(fine) else 1.01
 
 
+def pools() -> list[Pooled]:
+    """The pooled learner, and with LightGBM's trees where that is installed."""
+    try:
+        return [Pooled(), Pooled(PooledSettings(trees="lightgbm"))]
+    except MissingLearner as error:
+        print(error, file=sys.stderr)
+        return [Pooled()]
+
+
 def run(stream: Stream, seed: int) -> list[Told]:
     """Every method on one stream."""
     encoder = Encoder(stream.spec, stream.spec.treatments)
@@ -223,7 +236,7 @@ def run(stream: Stream, seed: int) -> list[Told]:
     few = len(stream.spec.outcome.labels) <= MOST_TREATMENTS
     return [
         selector(stream, learner, seed, as_treatment=False),
-        *([selector(stream, Pooled(), seed, as_treatment=True)] if few else []),
+        *(selector(stream, each, seed, as_treatment=True) for each in (pools() if few else ())),
         rival(stream, near, NearestNeighbour(by, standardise=found is None), seed),
         rival(stream, x, Fitted("logistic regression", "linear"), seed),
         rival(stream, x, Fitted("gradient-boosted trees", "trees"), seed),
