@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterable
+
+import msgspec
 
 from wakeful.admission import Admission
 from wakeful.facts.events import Event
 from wakeful.facts.evidence import Outcome
-from wakeful.facts.experience import Experience
-from wakeful.facts.lines import Admitted, AnyRecord, Compacted, Duplicate, Gained, Judged, Refused
-from wakeful.facts.packs import AnyBurst, Covered, Inquired, Ran, Validated, Woken
+from wakeful.facts.experience import Experience, ModelCard
+from wakeful.facts.lines import (
+    Acted,
+    Admitted,
+    AnyRecord,
+    Compacted,
+    Duplicate,
+    Gained,
+    Judged,
+    Published,
+    Refused,
+    TrainingAsked,
+)
+from wakeful.facts.packs import AnyBurst, Covered, Entry, Inquired, Pack, Ran, Validated, Woken
 from wakeful.facts.results import Forecast
 from wakeful.learning.cells import Cells
 from wakeful.learning.counsel import Counsel
@@ -21,6 +35,30 @@ from wakeful.revision import Debts, Revision
 from wakeful.scheduling.process_set import ProcessSet
 from wakeful.selection.guarantee import Guarantee
 from wakeful.validation import Validation
+
+
+class Folded(msgspec.Struct):
+    """How far a journal went, and which model version was in use in the end.
+
+    ``accepted``: the versions that were published, by number. ``asked``: a training that was still under way.
+    """
+
+    position: int = 0
+    now_ns: int = 0
+    card: ModelCard | None = None
+    accepted: dict[int, ModelCard] = {}
+    asked: TrainingAsked | None = None
+
+    def see(self, record: AnyRecord) -> None:
+        """Follow what is said of model versions."""
+        if isinstance(record, Published):
+            self.asked = None
+            if record.card.accepted:
+                self.card = self.accepted[record.card.version] = record.card
+        elif isinstance(record, TrainingAsked):
+            self.asked = record
+        elif isinstance(record, Acted) and record.act == "rollback" and not record.refused:
+            self.card, self.asked = self.accepted.get(record.version, self.card), None
 
 
 class Folding:
@@ -63,6 +101,20 @@ class Folding:
         self._guarantee = guarantee
         self._revision = revision
         self._debts = debts
+
+    def fold(self, entries: Iterable[Entry]) -> Folded:
+        """Take up all that a journal holds, in order."""
+        folded = Folded()
+        for entry in entries:
+            folded.now_ns = entry.at_ns
+            if isinstance(entry, Pack):
+                folded.position = entry.last
+                self.apply_burst(entry.burst, entry.at_ns)
+            else:
+                folded.position = entry.position
+                self.apply(entry.record, entry.at_ns)
+                folded.see(entry.record)
+        return folded
 
     def apply(self, record: AnyRecord, now_ns: int) -> None:
         """Take up one record."""

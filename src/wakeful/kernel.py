@@ -64,14 +64,12 @@ from wakeful.selection.recalled import with_memory
 from wakeful.selection.selector import Selector
 from wakeful.treatments.registry import Registry
 from wakeful.validation import Validation
+from wakeful.versions import Versions
 
 _STATE_KEY = "kernel"
 
 #: From so many events at a time on, a batch costs less than one by one.
 MANY = 5
-
-#: Accepted model versions whose weights stay at hand for a rollback; older ones are in the journal, for a rollback at rest.
-KEPT_VERSIONS = 8
 
 
 class _KernelState(msgspec.Struct, kw_only=True):
@@ -129,9 +127,8 @@ class Kernel:
             spec, options, learner, self._selector.encode, LearningSettings.under(settings), self._selector.encode_many
         )
         self._counsel = Counsel()
-        self._weights = b""
-        self._versions: dict[int, tuple[ModelCard, bytes]] = {}
         self._cells = Cells(self._selector.cells)
+        self._versions = Versions(self._selector, self._cells)
         self._foreseen: dict[int, Seen] = {}
         self._debts = Debts(settings.repay_after_s, settings.repay_every_s)
         self._revision = Revision(spec)
@@ -425,10 +422,6 @@ class Kernel:
         made = with_memory(decision, self._exemplars.recall(self._selector.encode(event), self._selector.predictor))
         return made if self._guarantee is None else self._guarantee.hold(decision, made)
 
-    def _contested(self, event: Event) -> bool:
-        """Whether memory holds otherwise than the model of events like it, so that it is asked however sure the model is."""
-        predictor = self._selector.predictor
-        return self._exemplars.disputes(predictor) and self._exemplars.contested(self._selector.encode(event), predictor)
     def _joined(self, event: Event, seen: Seen | None) -> Seen | None:
         """What the model says of the event, its forecast joined by recent experience where that has proved to know better."""
         predictor = self._selector.predictor
@@ -436,6 +429,10 @@ class Kernel:
             return seen
         return self._selector.joined(seen, self._recent.join(seen[2], self._selector.encode(event)))
 
+    def _contested(self, event: Event) -> bool:
+        """Whether memory holds otherwise than the model of events like it, so that it is asked however sure the model is."""
+        predictor = self._selector.predictor
+        return self._exemplars.disputes(predictor) and self._exemplars.contested(self._selector.encode(event), predictor)
 
     def _nearest(self, event: Event, seen: Seen | None) -> tuple[int, ...]:
         """The experiences that a decision rests on: of the event's cell, where the model has cells, else the likest of all."""
@@ -543,9 +540,7 @@ class Kernel:
             self._trainings.append(self._training(asked))
 
     def _training(self, asked: TrainingAsked) -> Training:
-        card = self._selector.card
-        rolled_back = card is not None and card.version != asked.base and asked.base in self._versions
-        job = self._learning.job(asked, self._versions[asked.base][1] if rolled_back else self._weights)
+        job = self._learning.job(asked, self._versions.base(asked.base))
         return Training(training=asked.training, publish_ns=asked.publish_ns, job=job)
 
     def _reuse(self, trained: Trained) -> None:
@@ -555,7 +550,7 @@ class Kernel:
             return
         if trained.card.accepted:
             self._blobs[trained.card.blob] = trained.weights
-            self._keep(trained.card, trained.weights)
+            self._versions.accept(trained.card, trained.weights)
             self._use(trained.card, trained.weights)
             reach("publication: decided")
         for trusted in self._revision.relearned(trained.card):
@@ -567,28 +562,20 @@ class Kernel:
         """Decide with an earlier accepted version from here on; what is learned next goes on from it."""
         if act.id and self._scheduler.processes.acted(act.id):
             return
-        found = self._versions.get(act.version)
-        at_hand = ", ".join(map(str, self._versions)) or "none"
-        refused = "" if found else f"model version {act.version} is not at hand (at hand: {at_hand})"
+        found = self._versions.find(act.version)
+        refused = "" if found else f"model version {act.version} is not at hand (at hand: {self._versions.listed()})"
         self.write(Acted(who=act.who, act=act.act, process=0, why=act.why, id=act.id, refused=refused, version=act.version))
         if found is not None:
             self._use(*found)
 
-    def _keep(self, card: ModelCard, weights: bytes) -> None:
-        self._versions[card.version] = (card, weights)
-        while len(self._versions) > KEPT_VERSIONS:
-            del self._versions[next(iter(self._versions))]
-
     def _use(self, card: ModelCard, weights: bytes) -> None:
         """Select with that version; one that was fitted to other fields of the domain is named and left, guidelines go on."""
         try:
-            self._selector.use(card, weights)
+            self._versions.use(card, weights)
         except ValueError as error:
             self.note("model not usable", f"{error}; decided by guidelines until the next version")
             return
-        self._weights = weights
         self._foreseen.clear()  # it was another version that saw them
-        self._cells.use()
 
     # --- time ---
 
@@ -715,41 +702,21 @@ class Kernel:
             mended (a call in doubt, code that no longer matches its record).
         """
         reach("recovery: begun")
-        card = None
-        accepted: dict[int, ModelCard] = {}
-        asked: TrainingAsked | None = None
-        for entry in entries:
-            self._now_ns = entry.at_ns
-            if isinstance(entry, Pack):
-                self._position = entry.last
-                self._folding.apply_burst(entry.burst, self._now_ns)
-                continue
-            line = entry
-            self._position = line.position
-            self._folding.apply(line.record, self._now_ns)
-            if isinstance(line.record, Published):
-                asked = None
-                if line.record.card.accepted:
-                    card = accepted[line.record.card.version] = line.record.card
-            elif isinstance(line.record, TrainingAsked):
-                asked = line.record
-            elif isinstance(line.record, Acted) and line.record.act == "rollback" and not line.record.refused:
-                card, asked = accepted.get(line.record.version, card), None
+        folded = self._folding.fold(entries)
+        self._position, self._now_ns = folded.position, folded.now_ns
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
             self._sources.restore(found.sources, state)
         self._scheduler.shelf.restore(state)
-        for each in list(accepted.values())[-KEPT_VERSIONS:]:
-            if each.blob in blobs:
-                self._keep(each, blobs[each.blob])
-        if card is not None:
-            self._use(card, blobs[card.blob])
+        self._versions.restore(folded.accepted.values(), blobs)
+        if folded.card is not None:
+            self._use(folded.card, blobs[folded.card.blob])
         reach("recovery: folded")
         self._scheduler.recover()
         reach("recovery: rebuilt")
-        if asked is not None:
-            self._trainings.append(self._training(asked))
+        if folded.asked is not None:
+            self._trainings.append(self._training(folded.asked))
         self._learn()  # there may be experience that was imported at rest
         return self._requests()
 
