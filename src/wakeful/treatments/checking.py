@@ -50,7 +50,9 @@ def take_in(network: Network, offer: Askable, evidence: Evidence, known: dict[st
         shown = holds(condition, {condition[0]: value})
         if shown is not None:
             known[symptom] = shown
-            heard.append(f"evidence {offer.address} at {evidence.at_ns}: {worded(condition[0], value)}")
+            line = f"evidence {offer.address} at {evidence.at_ns}: {worded(condition[0], value)}"
+            if line not in heard:  # one reading may speak to several bounds
+                heard.append(line)
 
 
 def _field(symptom: str) -> str:
