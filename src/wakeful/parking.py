@@ -54,12 +54,11 @@ class Parking:
 
     def settle(self) -> None:
         """Park the oldest waiters where there are too many, a few at a time."""
-        if self._aside is None:
+        processes = self._scheduler.processes
+        excess = processes.parkable - self._keep
+        if self._aside is None or excess <= 0:
             return
-        parkable = self._scheduler.processes.parkable(self._keep)
-        if not parkable:
-            return
-        for process in parkable[: min(MOST, max(FEWEST, len(parkable) // 4))]:
+        for process in processes.oldest(min(excess, MOST, max(FEWEST, excess // 4))):
             try:
                 self._park(self._aside, process)
             except AsideFull as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import islice
 
 import msgspec
 
@@ -17,6 +16,7 @@ from wakeful.facts.packs import Covered, Inquired, Ran, Woken
 from wakeful.facts.processes import State, Trigger, after
 from wakeful.scheduling.backlog import Backlog
 from wakeful.scheduling.crashes import Crashes
+from wakeful.scheduling.expecting import Expecting
 from wakeful.scheduling.parked import Parked
 from wakeful.scheduling.process import Process, Recorded
 from wakeful.scheduling.reasoner_calls import ReasonerCalls
@@ -50,9 +50,7 @@ class ProcessSet:
         self._acts: set[str] = set()
         self._active: list[int] = []
         self._last = 0
-        self._by_condition: dict[str, list[int]] = {}
-        self._by_evidence: dict[str, list[int]] = {}
-        self._waiters: dict[int, None] = {}
+        self._expecting = Expecting()
         self.parked = Parked()
 
     @property
@@ -122,20 +120,24 @@ class ProcessSet:
 
     def lasting(self, condition: str) -> list[Process]:
         """The open processes about that condition, oldest first."""
-        return [self._open[each] for each in self._by_condition.get(condition, ())]
+        return [self._open[each] for each in self._expecting.about(condition)]
 
     def expecting(self, topic_key: str) -> list[Process]:
         """The open processes that wait for that evidence, oldest request first, then by id; parked ones have to be taken up
         before."""
-        found = [self._open[each] for each in self._by_evidence.get(topic_key, ())]
+        found = [self._open[each] for each in self._expecting.of(topic_key)]
         return found if len(found) < 2 else sorted(found, key=lambda each: (each.asked_ns, each.id))
 
     # --- parking: a long waiter is put out of memory, and taken up again ---
 
-    def parkable(self, count: int) -> list[Process]:
-        """The oldest waiters beyond the newest ``count`` of those whom nobody but their evidence, their limit or an operator
-        will ask for."""
-        return [self._open[each] for each in islice(self._waiters, max(0, len(self._waiters) - count))]
+    @property
+    def parkable(self) -> int:
+        """How many at hand nobody but their evidence, their limit or an operator will ask for."""
+        return self._expecting.waiters
+
+    def oldest(self, count: int) -> list[Process]:
+        """The ``count`` of those that have waited longest."""
+        return [self._open[each] for each in self._expecting.oldest(count)]
 
     def park(self, process: Process) -> tuple[int, ...]:
         """Take a parkable process out of memory; returns what the policy knows of it, to which it goes on waiting."""
@@ -143,7 +145,7 @@ class ProcessSet:
         if pending is None:
             raise ValueError(f"process {process.id} waits for nothing")
         del self._open[process.id]
-        self._expects_no_more(process.id, pending.key)
+        self._expecting.expects_no_more(process.id, pending.key)
         if process.coroutine is not None:
             process.coroutine.close()
             process.coroutine = process.mind = None
@@ -159,17 +161,8 @@ class ProcessSet:
             self._parks.take_up(process.id, known)
         pending = process.pending
         if pending is not None:
-            self._expects(process, pending.key)
+            self._expecting.expects(process, pending.key)
         return process
-
-    def _expects(self, process: Process, topic_key: str) -> None:
-        self._by_evidence.setdefault(topic_key, []).append(process.id)
-        if not (process.parent or process.held_by or process.event.condition):
-            self._waiters[process.id] = None
-
-    def _expects_no_more(self, process: int, topic_key: str) -> None:
-        _drop(self._by_evidence, topic_key, process)
-        self._waiters.pop(process, None)
 
     def stepped(self, process: Process, now_ns: int) -> None:
         """The holder of a slot has done steps since its dispatch: the policy sees how far it is."""
@@ -191,7 +184,7 @@ class ProcessSet:
             process.asked.append(record)
             process.asked_ns = now_ns
             if record.kind is Kind.EVIDENCE:
-                self._expects(process, record.key)
+                self._expecting.expects(process, record.key)
             elif record.kind is Kind.DELIBERATE:
                 view = process.view()
                 key = (-view.criticality, -view.priority, view.arrived_ns)
@@ -229,8 +222,7 @@ class ProcessSet:
         self._open[process.id] = process
         self._last = process.id
         self.not_begun.came(process.id, event.source, now_ns)
-        if event.condition is not None and not record.parent:
-            self._by_condition.setdefault(event.condition.key, []).append(process.id)
+        self._expecting.came(process)
 
     def _decided(self, process: Process, decision: Decision, now_ns: int) -> None:
         fresh = process.decided is None and process.choice is None
@@ -255,8 +247,7 @@ class ProcessSet:
         )
         self._open[process.id] = process
         self._last = process.id
-        if process.event.condition is not None:
-            self._by_condition.setdefault(process.event.condition.key, []).append(process.id)
+        self._expecting.came(process)
         self._tell()  # of the one before
         self._untold = process
         self._runnable.add(process.id)
@@ -275,7 +266,7 @@ class ProcessSet:
             process.started_ns = now_ns
         process.asked.append(asked)
         if asked.kind is Kind.EVIDENCE:
-            self._expects(process, asked.key)
+            self._expecting.expects(process, asked.key)
         if process is self._untold:
             self._untold = None  # it has never stood among the ready ones
         self.policy.waiting(process.view(), now_ns)
@@ -299,8 +290,7 @@ class ProcessSet:
         process.steps = burst.steps
         if process.started_ns is None:
             process.started_ns = now_ns
-        if process.event.condition is not None and not process.parent:
-            _drop(self._by_condition, process.event.condition.key, process.id)
+        self._expecting.gone(process)
         process.coroutine = process.mind = None
         if process is self._untold and self._through is not None:
             self._untold = None
@@ -319,7 +309,7 @@ class ProcessSet:
         process.answers[record.seq] = record
         process.answered_ns[record.seq] = now_ns
         if record.kind is Kind.EVIDENCE:
-            self._expects_no_more(process.id, record.key)
+            self._expecting.expects_no_more(process.id, record.key)
             had = () if record.error else tuple(each.id for each in _EVIDENCE.decode(record.value))
             process.taken[record.key] = process.taken.get(record.key, ()) + had
 
@@ -360,7 +350,7 @@ class ProcessSet:
     def _restarted(self, process: Process) -> None:
         pending = process.pending
         if pending is not None and pending.kind is Kind.EVIDENCE:
-            self._expects_no_more(process.id, pending.key)
+            self._expecting.expects_no_more(process.id, pending.key)
         process.base_seq = process.asked[-1].seq if process.asked else 0
         process.base_steps = process.steps
         process.attempts += 1
@@ -376,9 +366,8 @@ class ProcessSet:
         self.reasoner_calls.leave(process.id, now_ns)
         pending = process.pending
         if pending is not None and pending.kind is Kind.EVIDENCE:
-            self._expects_no_more(process.id, pending.key)
-        if process.event.condition is not None and not process.parent:
-            _drop(self._by_condition, process.event.condition.key, process.id)
+            self._expecting.expects_no_more(process.id, pending.key)
+        self._expecting.gone(process)
         if process.coroutine is not None:
             process.coroutine.close()
             process.coroutine = process.mind = None
@@ -394,7 +383,7 @@ class ProcessSet:
             process.held_by = record.who or "an operator"
             self.not_begun.left(process.id)
             self._held.add(process.id)
-            self._waiters.pop(process.id, None)
+            self._expecting.held(process.id)
             self.policy.gone(process.id, now_ns)
             self.reasoner_calls.hold(process.id)
         elif record.act == "release" and process.held:
@@ -404,17 +393,7 @@ class ProcessSet:
                 self.not_begun.came(process.id, process.event.source, now_ns)
             self.reasoner_calls.let_go(process.id, now_ns)
             if process.state is State.WAITING:
-                if process.id in self._by_evidence.get(process.asked[-1].key, ()) and not process.parent:
-                    self._waiters[process.id] = None
+                self._expecting.released(process)
                 self.policy.waiting(process.view(), now_ns)
             else:
                 self.policy.runnable(process.view(), now_ns)
-
-
-def _drop(index: dict[str, list[int]], key: str, process: int) -> None:
-    """Take a process out of an index, and the entry with it once nobody is left."""
-    members = index.get(key)
-    if members is not None and process in members:
-        members.remove(process)
-        if not members:
-            del index[key]
