@@ -12,7 +12,8 @@ from wakeful.facts.decisions import Decision, Gate
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import Decided, Gained
-from wakeful.learning.exemplars import LIKE_ENOUGH, Exemplars
+from wakeful.learning.alike import LIKE_ENOUGH
+from wakeful.learning.exemplars import Exemplars
 
 A, B = np.array([1.0, 0.0, 0.3, 0.9]), np.array([0.0, 1.0, 0.3, 0.9])
 

@@ -10,65 +10,30 @@ from __future__ import annotations
 from collections import OrderedDict
 from typing import Final
 
-import msgspec
 import numpy as np
-import numpy.typing as npt
 
-from wakeful.contracts.learner import Predictor, RowPredictor, Vector
+from wakeful.contracts.learner import Predictor, Vector
 from wakeful.facts.choices import Choice
 from wakeful.facts.events import Event
 from wakeful.facts.experience import Experience, Verdict
 from wakeful.facts.lines import AnyRecord, Decided, Gained
 from wakeful.facts.recollection import Recollection
-from wakeful.learning.belief import Belief, Expected, Repeatability
+from wakeful.learning.alike import Alike
+from wakeful.learning.belief import Expected, Repeatability
 from wakeful.learning.episodes import Encode
+from wakeful.learning.exemplar import AT_MOST, TOLD, Foretold, Teacher, Told
 
-LIKE_ENOUGH: Final = 0.6
-"""How alike two events must be that agree in every category: 1 less the total variation of the model's shares of treatments."""
-CLOSE: Final = 1e-3
-"""Numbers that differ by no more are the same, model or not."""
 NOISY: Final = 0.25
 """Where more validations than this seem wrong, a model that is sure is not gainsaid."""
-AT_MOST: Final = 0.95
-"""No forecast is held to be surer than this: a model that is wrong must not look like an outcome that was told wrongly."""
 
-_PER_PATTERN = 16
 _PENDING = 10_000
-_TOLD = 16
 _DIGITS = 6
 
 
-class _Foretold(msgspec.Struct, frozen=True):
-    """What a model forecast, over the labels, and the last experience that it had learned from; empty where none had a say."""
-
-    shares: tuple[float, ...] = ()
-    since: int = 0
+_NOTHING: Final = Foretold()
 
 
-class _Told(msgspec.Struct, frozen=True):
-    id: int
-    process: int
-    treatment: int
-    label: int
-    foretold: _Foretold
-
-
-class _Exemplar(msgspec.Struct):
-    id: int
-    features: Vector
-    told: list[_Told]
-    treatment: Belief
-    label: Belief
-    estimate: tuple[object, Vector] | None = None
-    """A model version, and what its two heads say of it."""
-    newest: tuple[int, int] = (-1, -1)
-    """The treatment and the outcome that were told last, -1 where not."""
-
-
-_NOTHING: Final = _Foretold()
-
-
-def _was_known(experience: Experience, recalled: int, foretold: _Foretold) -> bool:
+def _was_known(experience: Experience, recalled: int, foretold: Foretold) -> bool:
     """Whether it only shows what the model knew: automatic by its word alone, and supported."""
     by_model = bool(foretold.shares) and not recalled
     return by_model and experience.mode == "auto" and experience.verdict is Verdict.SUPPORTED
@@ -101,19 +66,26 @@ class Exemplars:
         self._encode = encode
         self._treatment_at = {name: index for index, name in enumerate(treatments)}
         self._label_at = {name: index for index, name in enumerate(labels)}
-        self._expected = expected
-        self.treatment_repeats, self.label_repeats = Repeatability(expected), Repeatability(expected)
-        self._exemplars: OrderedDict[int, _Exemplar] = OrderedDict()
-        self._like: dict[bytes, list[int]] = {}
-        self._numeric: npt.NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._decided: OrderedDict[int, tuple[int, _Foretold]] = OrderedDict()
+        self._teacher = Teacher(len(treatments), len(labels), expected)
+        self._alike = Alike(treatments, labels)
+        self._decided: OrderedDict[int, tuple[int, Foretold]] = OrderedDict()
         self._taught: OrderedDict[int, int] = OrderedDict()
         self._now = 0
         self._reviewed: Predictor | None = None
         self._watched: set[bytes] = set()
 
     def __len__(self) -> int:
-        return len(self._exemplars)
+        return len(self._alike)
+
+    @property
+    def treatment_repeats(self) -> Repeatability:
+        """How noise and change have shown in the right treatments that were told."""
+        return self._teacher.treatment_repeats
+
+    @property
+    def label_repeats(self) -> Repeatability:
+        """The same of outcomes."""
+        return self._teacher.label_repeats
 
     @property
     def noise(self) -> float:
@@ -127,13 +99,11 @@ class Exemplars:
             features: of the event at hand.
             predictor: the model version in use; without one only equal numbers are alike.
         """
-        if not self._exemplars:
-            return None
-        alike = self._alike(features, predictor)
+        alike = self._alike.to(features, predictor) if len(self._alike) else []
         if not alike:
             return None
         likeness, likest = alike[0]
-        exemplar = likest if len(alike) == 1 else self._together([each for _, each in alike])
+        exemplar = likest if len(alike) == 1 else self._teacher.together([each for _, each in alike])
         # The event at hand would be validated next: that far everything may have changed.
         at = self._now + 1
         treatments = exemplar.treatment.shares(at, self.treatment_repeats)
@@ -165,7 +135,7 @@ class Exemplars:
         else:
             named = dict(zip(labels, choice.prior, strict=True))
             prior = tuple(named.get(name, 0.0) for name in self.labels)
-        self._decided[process] = (0, _Foretold(prior, choice.basis.watermark))
+        self._decided[process] = (0, Foretold(prior, choice.basis.watermark))
         if len(self._decided) > _PENDING:
             self._decided.popitem(last=False)
 
@@ -182,10 +152,10 @@ class Exemplars:
         sure the model is."""
         if predictor is None:
             return True
-        pattern = self._pattern(features)
+        pattern = self._alike.pattern(features)
         if not self.disputes(predictor) or pattern not in self._watched:
             return False
-        if self._disputed(pattern, predictor):
+        if self._alike.is_disputed(pattern, predictor):
             return True
         self._watched.discard(pattern)
         return False
@@ -200,7 +170,7 @@ class Exemplars:
             known = decision.model and not decision.recalled and decision.mode != "fallback"
             self._decided[record.process] = (
                 decision.recalled or earlier,
-                _Foretold(prior, decision.watermark) if known else _NOTHING,
+                Foretold(prior, decision.watermark) if known else _NOTHING,
             )
             if len(self._decided) > _PENDING:
                 self._decided.popitem(last=False)
@@ -217,31 +187,33 @@ class Exemplars:
         """
         self._learn(experience, features, recalled, _NOTHING)
 
-    def _learn(self, experience: Experience, features: Vector, recalled: int, foretold: _Foretold) -> None:
+    def _learn(self, experience: Experience, features: Vector, recalled: int, foretold: Foretold) -> None:
         treatment = self._treatment_at.get(experience.treatment_label, -1)
         label = -1 if experience.verdict is Verdict.UNDECIDED else self._label_at.get(experience.outcome, -1)
         self._now = max(self._now, experience.id)
         if treatment < 0 and label < 0:
             return
-        told = _Told(experience.id, experience.process, treatment, label, foretold)
-        self._see(features)
-        exemplar = self._exemplars.get(recalled) or self._same(features) or self._found(told, features)
+        told = Told(experience.id, experience.process, treatment, label, foretold)
+        if self._alike.see(features):
+            self._reviewed = None
+        exemplar = self._alike.get(recalled) or self._alike.same(features)
+        if exemplar is None:
+            exemplar = self._teacher.found(told, features)
+            self._watched.discard(self._alike.add(exemplar, self.limit) or b"")
         if self._taught.get(told.process) == exemplar.id:
-            # The world was heard late: what this process taught before is taken back.
-            self._again(exemplar, told)
+            self._teacher.again(exemplar, told)
         else:
-            self._teach(exemplar, told, self.treatment_repeats, self.label_repeats)
-            exemplar.told.append(told)
+            self._teacher.teach(exemplar, told)
         self._taught[told.process] = exemplar.id
         if len(self._taught) > _PENDING:
             self._taught.popitem(last=False)
         if not np.array_equal(exemplar.features, features):
             exemplar.features, exemplar.estimate = features.copy(), None
-        self._exemplars.move_to_end(exemplar.id)
-        self._watched.add(self._pattern(features))
-        del exemplar.told[:-_TOLD]
+        self._alike.validated(exemplar)
+        self._watched.add(self._alike.pattern(features))
+        del exemplar.told[:-TOLD]
 
-    def _known(self, experience: Experience, foretold: _Foretold) -> None:
+    def _known(self, experience: Experience, foretold: Foretold) -> None:
         """The model knew it: nothing to remember, but that much about how reliable validations are."""
         self._now = max(self._now, experience.id)
         label = self._label_at.get(experience.outcome, -1)
@@ -252,120 +224,4 @@ class Exemplars:
     def _review(self, predictor: Predictor | None) -> None:
         """Another model version is in use: what it says is compared at once where that is cheap, else as events come."""
         self._reviewed = predictor
-        self._watched = set(self._like)
-        if isinstance(predictor, RowPredictor) and self._exemplars:
-            rows = predictor.estimate_rows(np.stack([each.features for each in self._exemplars.values()]))
-            for each, heads in zip(self._exemplars.values(), np.hstack([rows.treatments, rows.labels]), strict=True):
-                each.estimate = (predictor, heads)
-            self._watched = {pattern for pattern in self._like if self._disputed(pattern, predictor)}
-
-    def _teach(self, exemplar: _Exemplar, told: _Told, treatments: Repeatability, labels: Repeatability) -> None:
-        if told.treatment >= 0:
-            exemplar.treatment.learn(told.treatment, told.id, treatments)
-        if told.label >= 0:
-            exemplar.label.learn(told.label, told.id, labels)
-        exemplar.newest = (told.treatment, told.label)
-
-    def _again(self, exemplar: _Exemplar, told: _Told) -> None:
-        exemplar.told = [told if one.process == told.process else one for one in exemplar.told]
-        self._replay(exemplar)
-
-    def _replay(self, exemplar: _Exemplar) -> None:
-        self._begin(exemplar, exemplar.told[0])
-        aside = Repeatability(self._expected), Repeatability(self._expected)
-        for one in exemplar.told:
-            self._teach(exemplar, one, *aside)
-
-    def _found(self, told: _Told, features: Vector) -> _Exemplar:
-        exemplar = _Exemplar(told.id, features.copy(), [], Belief(np.ones(1), 0), Belief(np.ones(1), 0))
-        self._begin(exemplar, told)
-        self._exemplars[exemplar.id] = exemplar
-        self._like.setdefault(self._pattern(features), []).append(exemplar.id)
-        if len(self._exemplars) > self.limit:
-            self._forget(next(iter(self._exemplars)))
-        return exemplar
-
-    def _begin(self, exemplar: _Exemplar, told: _Told) -> None:
-        exemplar.treatment = Belief(np.full(len(self.treatments), 1.0 / len(self.treatments)), told.id)
-        even = np.full(len(self.labels), 1.0 / len(self.labels))
-        shares = told.foretold.shares
-        if shares:
-            first = np.clip(shares, 1.0 - AT_MOST, AT_MOST)
-            exemplar.label = Belief(first / first.sum(), told.foretold.since)
-        else:
-            exemplar.label = Belief(even, told.id)
-
-    def _same(self, features: Vector) -> _Exemplar | None:
-        alike = self._alike(features, None)
-        return alike[0][1] if alike else None
-
-    def _alike(self, features: Vector, predictor: Predictor | None) -> list[tuple[float, _Exemplar]]:
-        """The exemplars that are like enough with how like they are, the likest first, of equally like ones the last founded."""
-        found: list[tuple[float, _Exemplar]] = []
-        own: Vector | None = None
-        for identity in reversed(self._like.get(self._pattern(features), ())[-_PER_PATTERN:]):
-            exemplar = self._exemplars[identity]
-            if float(np.abs(exemplar.features - features).max()) <= CLOSE:
-                # The very same event: what others like it were is beside the point.
-                return [(1.0, exemplar)]
-            if predictor is not None:
-                own = self._heads(predictor, features) if own is None else own
-                cut = len(predictor.treatments)
-                likeness = round(1.0 - 0.5 * float(np.abs(own - self._foreseen(exemplar, predictor))[:cut].sum()), _DIGITS)
-                if likeness >= LIKE_ENOUGH:
-                    found.append((likeness, exemplar))
-        return sorted(found, key=lambda pair: (-pair[0], -pair[1].id))
-
-    def _together(self, alike: list[_Exemplar]) -> _Exemplar:
-        """What was told of all of these, in the order in which it was, as one exemplar."""
-        told = sorted((one for each in alike for one in each.told), key=lambda one: one.id)[-_TOLD:]
-        whole = _Exemplar(told[0].id, alike[0].features, told, Belief(np.ones(1), 0), Belief(np.ones(1), 0))
-        self._replay(whole)
-        return whole
-
-    def _foreseen(self, exemplar: _Exemplar, predictor: Predictor) -> Vector:
-        if exemplar.estimate is None or exemplar.estimate[0] is not predictor:
-            exemplar.estimate = (predictor, self._heads(predictor, exemplar.features))
-        return exemplar.estimate[1]
-
-    def _disputed(self, pattern: bytes, predictor: Predictor) -> bool:
-        """Whether the last word on some event of these categories was another than the model's, or than that on another one."""
-        alike = [self._exemplars[each] for each in self._like.get(pattern, ())]
-        return len({each.newest for each in alike}) > 1 or any(self._differs(each, predictor) for each in alike)
-
-    def _differs(self, exemplar: _Exemplar, predictor: Predictor) -> bool:
-        """Whether the model says otherwise of the exemplar itself than what was told last of it."""
-        heads, cut = self._foreseen(exemplar, predictor), len(predictor.treatments)
-        treatment, label = exemplar.newest
-        return (treatment >= 0 and predictor.treatments[int(heads[:cut].argmax())] != self.treatments[treatment]) or (
-            label >= 0 and predictor.labels[int(heads[cut:].argmax())] != self.labels[label]
-        )
-
-    def _heads(self, predictor: Predictor, features: Vector) -> Vector:
-        estimate = predictor.estimate(features)
-        return np.concatenate([estimate.treatments, estimate.labels])
-
-    def _see(self, features: Vector) -> None:
-        """Columns with other numbers than 0 and 1 are no categories, from now on."""
-        numeric = (features != 0.0) & (features != 1.0)
-        if not len(self._numeric):
-            self._numeric = numeric
-        elif (numeric & ~self._numeric).any():
-            self._numeric = self._numeric | numeric
-            self._like = {}
-            self._reviewed = None
-            for exemplar in self._exemplars.values():
-                self._like.setdefault(self._pattern(exemplar.features), []).append(exemplar.id)
-
-    def _pattern(self, features: Vector) -> bytes:
-        return np.packbits((features == 1.0) & ~self._numeric).tobytes()
-
-    def _forget(self, identity: int) -> None:
-        gone = self._exemplars.pop(identity)
-        pattern = self._pattern(gone.features)
-        left = [each for each in self._like.get(pattern, ()) if each != identity]
-        if left:
-            self._like[pattern] = left
-        else:
-            self._like.pop(pattern, None)
-            self._watched.discard(pattern)
+        self._watched = self._alike.disputed(predictor)
