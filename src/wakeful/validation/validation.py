@@ -29,8 +29,10 @@ from wakeful.facts.packs import Ran
 from wakeful.facts.processes import State
 from wakeful.facts.results import Forecast
 from wakeful.facts.time import to_ns
+from wakeful.validation.judging import against, judge, silence, supersedes, too_late, undecided
 from wakeful.validation.known import KnownEvents
 from wakeful.validation.ledger import Entry, Ledger
+from wakeful.validation.recordings import ENDED, Recordings
 from wakeful.validation.verdict import verdict
 from wakeful.validation.witnesses import Witnesses
 
@@ -80,9 +82,8 @@ class Validation:
         self._ledger = Ledger(spec.outcome.scope, keep_forecasts)
         self._witnesses = Witnesses(spec.outcome.scope, keep_outcomes)
         self._events = KnownEvents(keep_forecasts)
-        self._ended_ns: dict[str, int] = {}
-        self._broken_ns: dict[str, int] = {}
-        self._offset_ns: dict[str, int] = {}
+        self._quiet = spec.outcome.labels[0]
+        self._recordings = Recordings()
         self._next_experience = 1
         self._made = 0
         self._verdicts = dict.fromkeys(Verdict, 0)
@@ -93,7 +94,7 @@ class Validation:
         """Take up one record of the journal, live and in recovery alike. Records that concern other rooms are passed over."""
         match record:
             case Admitted(event=event):
-                self._events.admitted(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0))
+                self._events.admitted(event, self._recordings.since_ns(event))
             case Created(process=process, event=event_id):
                 self._events.created(process, event_id)
             case Moved(process=process, after=State.COMPLETED):
@@ -109,14 +110,13 @@ class Validation:
             case Compacted(experience=highest):
                 self._next_experience = max(self._next_experience, highest + 1)
             case Finished(source=source):
-                self._ended_ns[source] = at_ns
+                self._recordings.ended(source, at_ns)
             case Opened(source=source, offset_ns=offset_ns):
-                self._ended_ns.pop(source, None)
-                self._offset_ns[source] = offset_ns
+                self._recordings.opened(source, offset_ns)
             case Refused(source=source, unread=True):  # it may have been an outcome
-                self._broken_ns[source] = at_ns
+                self._recordings.broken(source, at_ns)
             case Noted(what=what, source=source) if what == GAP:
-                self._broken_ns[source] = at_ns
+                self._recordings.broken(source, at_ns)
 
     def knows(self, outcome: str) -> bool:
         """Whether an outcome of that id was witnessed before: the same id counts once."""
@@ -124,24 +124,14 @@ class Validation:
 
     def match(self, outcome: Outcome, now_ns: int) -> list[Judged]:
         """The verdicts that an outcome brings about (Eq. 10), possibly on several forecasts. Asking twice changes nothing."""
-        outcome = self._in_kernel_time(outcome)
+        outcome = self._recordings.in_kernel_time(outcome)
         first = self._witnesses.get(outcome.id)
         if (first is not None and first != outcome) or outcome.label not in self._spec.labels:
             return []
         concerned = self._ledger.concerned(outcome, self._within_ns)
-        found = (self._against(entry, outcome, now_ns) for entry in concerned if self._reaches(outcome, entry))
+        reached = (entry for entry in concerned if self._recordings.reaches(outcome, entry))
+        found = (against(entry, outcome, now_ns, self._quiet) for entry in reached)
         return [judged for judged in found if judged is not None]
-
-    def _reaches(self, outcome: Outcome, entry: Entry) -> bool:
-        """Whether an outcome may speak of a recording's event: another recording, begun after that one's end, does not."""
-        ended_ns = self._ended_ns.get(entry.source)
-        apart = bool(outcome.source) and outcome.source != entry.source and not outcome.event
-        return not (apart and ended_ns is not None and outcome.at_ns >= ended_ns)
-
-    def _in_kernel_time(self, outcome: Outcome) -> Outcome:
-        """The outcome with its instant in kernel time: two recordings' own clocks cannot be compared."""
-        offset_ns = self._offset_ns.get(outcome.source, 0)
-        return msgspec.structs.replace(outcome, at_ns=outcome.at_ns + offset_ns) if offset_ns else outcome
 
     def concluded(self, process: int) -> list[Judged]:
         """The verdicts on a result that was concluded just now, by outcomes witnessed before it.
@@ -156,8 +146,8 @@ class Validation:
         if not outcomes:
             return []
         first, *later = outcomes
-        decisive = self._judge(entry, first, "the outcome came before the result was concluded")
-        return [decisive, *(self._late(entry, other, first.label) for other in later if other.label != first.label)]
+        decisive = judge(entry, first, self._quiet, "the outcome came before the result was concluded")
+        return [decisive, *(too_late(entry, other, first.label) for other in later if other.label != first.label)]
 
     def close(self, now_ns: int, source: str = "") -> list[Judged]:
         """The verdicts on forecasts whose window has closed: ``labels[0]`` over an unbroken recording, else undecided.
@@ -172,7 +162,7 @@ class Validation:
         ``source`` confines it to the forecasts on that source's events.
         """
         concerned = [entry for entry in self._ledger.still_open() if source in ("", entry.source)]
-        return [self._closed(entry) if entry.closes_ns < now_ns else self._undecided(entry, _ENDED) for entry in concerned]
+        return [self._closed(entry) if entry.closes_ns < now_ns else undecided(entry, ENDED) for entry in concerned]
 
     def next_close_ns(self) -> int | None:
         """Kernel time at which ``close`` has something to say; None while no forecast is open."""
@@ -207,7 +197,7 @@ class Validation:
 
     def covered(self, event: Event, process: int) -> None:
         """An event was admitted and a process is open on it, as ``apply`` would be told."""
-        self._events.covered(event, event.stamp.source_ns + self._offset_ns.get(event.source, 0), process)
+        self._events.covered(event, self._recordings.since_ns(event), process)
 
     def ran(self, burst: Ran, event: Event, forecast: Forecast | None, at_ns: int, cell: int = -1) -> None:
         """A process has concluded, as ``apply`` would be told. ``cell``: where its event lies in experience, if that is known."""
@@ -239,18 +229,17 @@ class Validation:
         """
         if outcome.label not in self._spec.labels or self._witnesses.get(outcome.id) is not None:
             return None
-        if self._offset_ns.get(outcome.source):
-            outcome = self._in_kernel_time(outcome)
+        outcome = self._recordings.in_kernel_time(outcome)
         entry = self._ledger.sole(outcome)
         if entry is None or entry.verdict is not None or entry.closes_ns < now_ns:
             return None
-        if self._ended_ns and not self._reaches(outcome, entry):
+        if not self._recordings.reaches(outcome, entry):
             return None
         label = entry.label
         if label == outcome.label:
             seen = Verdict.SUPPORTED
         else:
-            seen = verdict(label, outcome.label, outcome.acted_on, self._spec.labels[0])
+            seen = verdict(label, outcome.label, outcome.acted_on, self._quiet)
             if seen is Verdict.UNDECIDED:
                 return None
         judged = Judged(
@@ -266,8 +255,7 @@ class Validation:
 
     def validated(self, outcome: Outcome, judged: Judged, experience: Experience, at_ns: int) -> None:
         """An outcome decided a forecast, as ``apply`` would be told."""
-        if self._offset_ns.get(outcome.source):
-            outcome = self._in_kernel_time(outcome)
+        outcome = self._recordings.in_kernel_time(outcome)
         entry = self._ledger.get(judged.process)
         if entry is None or entry.verdict is not None or not self._witnesses.add(outcome, at_ns):
             return  # never so where this is called as it is to be
@@ -291,7 +279,7 @@ class Validation:
         )
 
     def _witness(self, outcome: Outcome, at_ns: int) -> None:
-        if self._witnesses.add(self._in_kernel_time(outcome), at_ns):
+        if self._witnesses.add(self._recordings.in_kernel_time(outcome), at_ns):
             self._witnessed += 1
             self._foreign += outcome.label not in self._spec.labels
 
@@ -340,7 +328,7 @@ class Validation:
             return
         outcome = self._witnesses.get(record.outcome)
         if entry.verdict is not None:
-            if outcome is None or not _supersedes(outcome, entry):
+            if outcome is None or not supersedes(outcome, entry):
                 entry.overruled |= {record.outcome}
                 return
             self._verdicts[entry.verdict] -= 1
@@ -351,78 +339,6 @@ class Validation:
         self._verdicts[record.verdict] += 1
         self._ledger.judged(record.process)
 
-    def _against(self, entry: Entry, outcome: Outcome, now_ns: int) -> Judged | None:
-        """What one outcome says of one forecast, given what is known of it already."""
-        if entry.verdict is None:
-            return self._judge(entry, outcome, "came late but lies inside the window" if entry.closes_ns < now_ns else "")
-        if outcome.id == entry.decided_by or outcome.id in entry.overruled:
-            return None
-        if not _supersedes(outcome, entry):
-            return None if outcome.label == entry.shown else self._late(entry, outcome, entry.shown)
-        if outcome.label == entry.shown:
-            # Recorded although it changes no verdict: what comes later still, but lies between the two, must not supersede it.
-            return self._judge(entry, outcome, "came late and bears out what was judged")
-        if entry.decided_by:
-            return self._judge(entry, outcome, f"came late but lies before the outcome {entry.shown!r}: supersedes it")
-        return self._judge(entry, outcome, "came late but lies inside the window: supersedes what its close said")
-
-    def _judge(self, entry: Entry, outcome: Outcome, why: str = "") -> Judged:
-        seen = verdict(entry.label, outcome.label, outcome.acted_on, self._spec.labels[0])
-        reasons = [why] if why else []
-        if seen is Verdict.UNDECIDED:
-            reasons.append("the result had been acted on: what it forecast may have been prevented")
-        return Judged(
-            process=entry.process,
-            event=entry.event,
-            predicted=entry.label,
-            label=outcome.label,
-            verdict=seen,
-            outcome=outcome.id,
-            why="; ".join(reasons),
-            lead_ns=outcome.at_ns + entry.offset_ns - entry.concluded_ns,
-        )
-
-    def _late(self, entry: Entry, outcome: Outcome, standing: str) -> Judged:
-        return Judged(
-            process=entry.process,
-            event=entry.event,
-            predicted=entry.label,
-            label=outcome.label,
-            verdict=Verdict.UNDECIDED,
-            outcome=outcome.id,
-            why=f"the world showed {standing!r} first, and the first in source time decides",
-        )
-
     def _closed(self, entry: Entry) -> Judged:
-        ended_ns = self._ended_ns.get(entry.source)
-        if ended_ns is not None and ended_ns < entry.closes_ns:
-            return self._undecided(entry, _ENDED)
-        broken_ns = self._broken_ns.get(entry.source)
-        if broken_ns is not None and entry.since_ns + entry.offset_ns <= broken_ns:
-            return self._undecided(entry, _GAP)
-        if not entry.heard_all:
-            return self._undecided(entry, "outcomes of its window are no longer remembered")
-        label = self._spec.labels[0]
-        why = f"the window closed over an unbroken recording: {label!r}"
-        return Judged(
-            process=entry.process,
-            event=entry.event,
-            predicted=entry.label,
-            label=label,
-            verdict=verdict(entry.label, label),
-            why=why,
-        )
-
-    def _undecided(self, entry: Entry, why: str) -> Judged:
-        return Judged(
-            process=entry.process, event=entry.event, predicted=entry.label, label="", verdict=Verdict.UNDECIDED, why=why
-        )
-
-
-_GAP = "the recording has a gap within the window, or an input that could not be read: what came then is not known"
-_ENDED = "the recording ended or broke before the window closed"
-
-
-def _supersedes(outcome: Outcome, entry: Entry) -> bool:
-    """Whether an outcome overrides the verdict that stands: it does over a closed window, and over a later outcome."""
-    return entry.decided_ns is None or outcome.at_ns < entry.decided_ns
+        doubt = self._recordings.doubt(entry)
+        return undecided(entry, doubt) if doubt else silence(entry, self._quiet)
