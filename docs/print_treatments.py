@@ -1,10 +1,11 @@
 """Fills the examples and the measured figures into docs/treatments/*.md, between their marks.
 
-./run python docs/print_treatments.py ../shared/data [NAME…]
+./run python docs/print_treatments.py ../shared/data [NAME…] [--costs]
 
 An example is a real event: a mind that may treat by nothing else reads the whole recording, and of the events of its second half
 whose outcome came the one with the surest result is shown, as it was recorded. Which recording is said beside it. Figures are
-what the named command printed. `diagnosis` and `risk_prediction` take some minutes.
+what the named command printed. `diagnosis`, `risk_prediction`, `memory` and `analogy` take some minutes. `--costs` fills in
+what each costs alone: that wants a machine that does nothing else.
 """
 
 from __future__ import annotations
@@ -166,13 +167,15 @@ def fill(page: Path, mark: str, text: str) -> None:
 
 def main() -> None:
     """Fill every page, or those that are named."""
-    data = Path(sys.argv[1]).resolve()
-    wanted = sys.argv[2:] or list(EXAMPLES)
-    for name in wanted:
-        fill(HERE / f"{name}.md", "example", example(name, data))
-        for mark, (page, arguments, begins) in FIGURES.items():
-            if page == name:
-                fill(HERE / f"{name}.md", mark, figures(arguments, begins, data))
+    costs = "--costs" in sys.argv
+    given = [each for each in sys.argv[1:] if each != "--costs"]
+    data, named = Path(given[0]).resolve(), given[1:]
+    for name in named or list(EXAMPLES):
+        if not costs:
+            fill(HERE / f"{name}.md", "example", example(name, data))
+            for mark, (page, arguments, begins) in FIGURES.items():
+                if page == name:
+                    fill(HERE / f"{name}.md", mark, figures(arguments, begins, data))
         fill(HERE / f"{name}.md", "cost", figures(["benchmarks/treatments.py"], ("treatment ", f"{name} "), data))
         print(f"{name} filled", file=sys.stderr)
 
