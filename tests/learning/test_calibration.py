@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wakeful.learning.calibration import CANDIDATES, NEVER, POOLED, RESULT, Marks, choose_thresholds, mark, temperature
+from wakeful.learning.calibration import (
+    CANDIDATES,
+    NEVER,
+    POOLED,
+    RESULT,
+    Marks,
+    choose_thresholds,
+    expected_of_advice,
+    mark,
+    temperature,
+)
 from wakeful.learning.material import Material
 from wakeful.learning.network import softmax
 
@@ -99,3 +109,42 @@ def test_a_row_is_wrong_in_its_treatment_or_in_its_result() -> None:
     assert found.treatment_wrong.tolist() == [False, True, True, False]
     assert found.result_wrong.tolist() == [True, False, False, False]
     assert found.judged.tolist() == [True, True, True, False]
+
+
+def advised(rows: int, right: int, confidence: float) -> dict[str, float]:
+    """What is expected of a reasoner that was right on so many rows of treatment a, at that confidence of the model."""
+    truth = np.zeros(rows, dtype=np.int64)
+    none, ones = np.full(rows, -1), np.ones(rows)
+    known = Material(x=np.zeros((rows, 1)), treatment=truth, result=none, refuted=none, weight=ones, result_weight=ones)
+    said = np.where(np.arange(rows) < right, 0, 1)
+    found = marks(np.full(rows, confidence), np.zeros(rows, dtype=bool))
+    return expected_of_advice(found, known, said, ("a", "b"))
+
+
+def test_a_reasoner_has_to_have_shown_that_it_is_right() -> None:
+    few, many = advised(4, 4, 0.5), advised(400, 400, 0.5)
+    assert few["a"] < 0.75 < 0.95 < many["a"]
+    assert few["b"] < few["a"]
+
+
+def test_more_answers_bring_what_is_expected_nearer_to_the_rate() -> None:
+    found = [advised(rows, rows // 2, 0.5)["a"] for rows in (10, 100, 10_000)]
+    assert found == sorted(found)
+    assert found[-1] == pytest.approx(0.5, abs=0.02)
+
+
+def test_right_answers_where_the_model_is_sure_say_little() -> None:
+    assert advised(40, 40, 1.0)["a"] < advised(40, 40, 0.5)["a"]
+
+
+def test_nothing_is_expected_where_nothing_was_asked() -> None:
+    none = np.full(3, -1)
+    known = Material(
+        x=np.zeros((3, 1)),
+        treatment=np.zeros(3, dtype=np.int64),
+        result=none,
+        refuted=none,
+        weight=np.ones(3),
+        result_weight=np.ones(3),
+    )
+    assert expected_of_advice(marks(np.full(3, 0.9), np.zeros(3, dtype=bool)), known, none, ("a",)) == {}
