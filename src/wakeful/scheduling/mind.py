@@ -69,6 +69,12 @@ class KernelMind:
         return self._decision
 
     @property
+    def treatment(self) -> str:
+        """The treatment that was chosen when this attempt began."""
+        first = self._decision
+        return first.basis.treatment if isinstance(first, Choice) else first.treatment
+
+    @property
     def domain(self) -> DomainSpec:
         """The domain's data."""
         return self._domain

@@ -23,7 +23,7 @@ RUNS = 8
 class _Run:
     """Columns in the order of process ids: (n,) each; ``by_key`` and ``by_limit`` are the places in another order."""
 
-    __slots__ = ("by_key", "by_limit", "first", "gone", "keys", "left", "limits", "processes")
+    __slots__ = ("by_key", "by_limit", "first", "gone", "highest", "keys", "left", "limits", "lowest", "processes")
 
     def __init__(self, processes: Column, keys: Column, limits: Column) -> None:
         order = np.argsort(processes, kind="stable")
@@ -33,6 +33,7 @@ class _Run:
         self.by_key = np.argsort(hashed, kind="stable").astype(np.uint32)
         self.keys = hashed[self.by_key]
         self.by_limit = np.argsort(self.limits, kind="stable").astype(np.uint32)
+        self.lowest, self.highest = int(self.processes[0]), int(self.processes[-1])
         self.gone = np.zeros(len(processes), np.bool_)
         self.first = 0
         self.left = len(processes)
@@ -45,15 +46,21 @@ class _Run:
 
     def place(self, process: int) -> int:
         """Where it stands; -1 where it does not, or no longer."""
-        place = int(np.searchsorted(self.processes, process))
-        found = place < len(self.processes) and self.processes[place] == process and not self.gone[place]
-        return place if found else -1
+        if not self.lowest <= process <= self.highest:
+            return -1
+        place = int(self.processes.searchsorted(process))
+        return place if self.processes[place] == process and not self.gone[place] else -1
 
     def of_key(self, key: int) -> list[int]:
         """The processes whose key has that hash."""
-        first, last = np.searchsorted(self.keys, key, "left"), np.searchsorted(self.keys, key, "right")
-        places = self.by_key[first:last]
-        return [int(self.processes[each]) for each in places if not self.gone[each]]
+        found: list[int] = []
+        at = int(self.keys.searchsorted(key))
+        while at < len(self.keys) and self.keys[at] == key:
+            place = self.by_key[at]
+            if not self.gone[place]:
+                found.append(int(self.processes[place]))
+            at += 1
+        return found
 
     def soonest_ns(self) -> int:
         """When the first limit passes."""

@@ -41,7 +41,7 @@ async def think(
         options: the treatments among which deliberation may choose.
         chosen: the treatment is settled (a child's, or an automatic or fallback one): no question is put.
     """
-    name = mind.decision.treatment
+    name = mind.treatment
     if not chosen and mind.mode == "delib":
         episodes = await mind.recall(Query(event=event.id, kind=event.kind, entity=event.entity, limit=EPISODES_SHOWN))
         reply = await mind.deliberate(which_treatment(event, episodes, mind.domain, options))
