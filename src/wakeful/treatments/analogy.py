@@ -35,7 +35,7 @@ class AnalogySettings(Fact, frozen=True):
     meaning: bool = True
     """Whether words that were never met are compared with known ones by their meaning, outside auto mode (extra ``analogy``)."""
     looked_at: int = 24
-    """How many cases are recalled where there is such a word, the best of which are kept: the search knows nothing of meaning."""
+    """How many cases are recalled when deliberating, of which the best are kept."""
 
 
 class Case(Fact, frozen=True):
@@ -87,20 +87,16 @@ async def analogy(event: Event, mind: Mind) -> Analogy:
 async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     """The thinking of ``analogy`` with settings of one's own.
 
-    Source: case-based reasoning, retrieve and reuse (Aamodt and Plaza 1994); overlap after Gower 1971; meaning by sentence
-    embedding (Yang et al. 2020).
+    Source: case-based reasoning, retrieve and reuse (Aamodt and Plaza 1994); a cheap search for many and a comparison of
+    structure for few (Forbus, Gentner and Law 1995); overlap after Gower 1971; meaning by sentence embedding (Yang et al. 2020).
     """
     await mind.work(1)
     kept = settings.cases_deliberating if mind.mode == "delib" else settings.cases
+    # many are looked at and few are kept: the search weighs all features, what is like in structure is told by comparing
+    found = await similar(event, mind, max(settings.looked_at, kept) if mind.mode == "delib" else kept)
     by_meaning = settings.meaning and mind.mode != "auto" and installed()
-    found = await similar(event, mind, kept)
-    new: tuple[Meant, ...] = ()
-    if by_meaning and unmet(event, found, mind):
-        found = await similar(event, mind, max(settings.looked_at, kept))
-        new = await meant(event, found, mind)
+    new = await meant(event, found, mind) if by_meaning else ()
     await mind.work(1)
-    if not new:
-        found = found[:kept]
     every = (_case(event, mind, episode, meanings(new)) for episode in found)
     cases = tuple(sorted(every, key=lambda case: (-case.worth, case.event))[:kept])
     near = [case for case in cases if case.worth >= settings.near]

@@ -62,8 +62,7 @@ def overlap(
 
 def worth(event: Event, episode: Episode, specs: Mapping[str, FieldSpec], meanings: Meanings = NO_MEANINGS) -> float:
     """How much of a case a recalled one is for this event, in [0, 1]: the overlap squared, so that many cases that agree in
-    little don't drown a few that agree in much; half of that where it is of another kind. Kinds and words that were never met
-    count by their meaning, where that is known: what is of another nature is worth half.
+    little don't drown a few that agree in much; half of that where it is of another kind, more where the kinds mean the same.
 
     The search's likeness only says which cases to look at: its scale is that of the learner's features.
     """
@@ -71,9 +70,6 @@ def worth(event: Event, episode: Episode, specs: Mapping[str, FieldSpec], meanin
     shared = overlap(event.fields, episode.fields, specs, meanings)
     share = shared.share if shared.names else float(same_kind)
     nature = 1.0 if same_kind else meanings.get("kind", {}).get(episode.kind, 0.0)
-    for name, known in meanings.items():
-        if name in event.fields and name in episode.fields:
-            nature *= known.get(str(episode.fields[name]), 0.0)
     return significant(share**2 * (1.0 + nature) / 2.0)
 
 
