@@ -18,7 +18,7 @@ from wakeful.treatments.measures import number, significant
 from wakeful.treatments.overlap import Meanings, Overlap, overlap, worth
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
-from wakeful.treatments.unmet_words import Meant, meanings, meant, unmet
+from wakeful.treatments.unmet_words import Meant, meanings, meant
 from wakeful.treatments.wording import bare, brief, percent, subject
 
 
