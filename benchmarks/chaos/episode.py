@@ -148,13 +148,9 @@ class _Episode:
                 try:
                     failing = end.nth if end is not None and end.how == "commit" else 0
                     journal = Witness(inner, self.ledger, failing)
-                    driver = self._driver(journal)
-                    try:
-                        if self.plan.seed % AUDITED == 0 and isinstance(inner, SqliteJournal):
-                            self._check(inner)
-                        self._think(driver)
-                    finally:
-                        _drop(driver)
+                    if self.plan.seed % AUDITED == 0 and isinstance(inner, SqliteJournal):
+                        self._check(inner)
+                    self._think_on(journal)
                 finally:
                     with suppress(apsw.Error, JournalError):
                         inner.close()
@@ -182,6 +178,13 @@ class _Episode:
         budget = Budget(None, self.plan.budget, at_most(spent(self.ledger.known, self.reasoner.name, self.plan.reasoner_slots)))
         permit = Permit(budget, RateLimit(None, self._now_s), Breaker(4, 30.0, self._now_s))
         return _Guarded(self.reasoner, GuardedReasoner(self.reasoner, permit, deadline_s=30.0))
+
+    def _think_on(self, journal: Witness) -> None:
+        driver = self._driver(journal)
+        try:
+            self._think(driver)
+        finally:
+            _drop(driver)
 
     def _think(self, driver: SimulatedDriver) -> None:
         readings = sum(isinstance(line.record, Finished) for line in self.ledger.known)

@@ -27,9 +27,10 @@ HOSTILE = (
 
 
 class Script(msgspec.Struct, frozen=True):
-    """``items`` by position; ``acts`` by the position after which an operator hands them in."""
+    """``items`` by position, ``at_s``: when each comes; ``acts`` by the position after which an operator hands them in."""
 
     items: tuple[Item, ...]
+    at_s: tuple[float, ...]
     acts: dict[int, tuple[Act, ...]]
 
 
@@ -51,8 +52,10 @@ class _Writer:
             now_s += self.random.expovariate(1.0 / self.plan.gap_s) if self.plan.gap_s else 0.0
             self._event(number, now_s)
         self._strays(now_s)
-        ordered = [item for _, _, item in sorted(self.placed, key=lambda each: each[:2])]
-        return Script(tuple(self._jumped(ordered)), self._acts(len(ordered)) if self.plan.acts else {})
+        placed = sorted(self.placed, key=lambda each: each[:2])
+        ordered = [item for _, _, item in placed]
+        at_s = tuple(at_s for at_s, _, _ in placed)
+        return Script(tuple(self._jumped(ordered)), at_s, self._acts(len(ordered)) if self.plan.acts else {})
 
     # --- events ---
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.chaos.episode import Report, play
+from benchmarks.chaos.live import play_live
 from benchmarks.chaos.plan import Plan, draw
 from wakeful.facts.lines import Answered, Line
 from wakeful.scheduling.running import IN_DOUBT
@@ -24,6 +25,7 @@ class Trial(msgspec.Struct, kw_only=True):
     second: Report
     compared: str
     differs: str
+    driver: str = "simulated"
 
     @property
     def failed(self) -> bool:
@@ -41,7 +43,7 @@ class Trial(msgspec.Struct, kw_only=True):
         if self.differs:
             said.append(f"  not as {self.compared}: {self.differs}")
         said.append(f"  plan: {msgspec.json.encode(self.plan).decode()}")
-        said.append(f"  again: python -m benchmarks.chaos --first-seed {self.plan.seed} --seeds 1")
+        said.append(f"  again: python -m benchmarks.chaos --driver {self.driver} --first-seed {self.plan.seed} --seeds 1")
         return "\n".join(said)
 
 
@@ -90,10 +92,18 @@ class Totals(msgspec.Struct, kw_only=True):
         return counted | {"cpu_s_per_seed": round(self.cpu_s / max(1, self.seeds), 4)}
 
 
-def trial(seed: int) -> Trial:
+def trial(seed: int, driver: str = "simulated") -> Trial:
     """Play a seed twice, and compare."""
     plan = draw(seed)
     with tempfile.TemporaryDirectory(prefix="wakeful-chaos-", dir=_SHM if _SHM.is_dir() else None) as folder:
+        if driver == "live":
+            journal = Path(folder, "mind.db")  # what is refused while the disk is full names it
+            first = play_live(plan, journal)
+            for file in Path(folder).iterdir():
+                file.unlink()
+            second = play_live(plan, journal)
+            differs = _difference(first.export, second.export)
+            return Trial(plan=plan, driver=driver, first=first, second=second, compared="before", differs=differs)
         first = play(plan, Path(folder, "first.db"))
         calm = plan.repeatable and bool(plan.ends)
         again = msgspec.structs.replace(plan, ends=()) if calm else plan

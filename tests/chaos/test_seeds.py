@@ -17,6 +17,9 @@ SEEDS = int(os.environ.get("WAKEFUL_CHAOS_SEEDS", "40"))
 #: Seeds that failed once, each by another defect (docs/chaos.md): they stay.
 FAILED_ONCE = (0, 2, 40, 497, 858, 5_544, 8_818, 4_376, 6_738, 200_006)
 
+#: The same through the live driver: a call that was made after its limit had passed.
+FAILED_ONCE_LIVE = (2, 77)
+
 
 def fresh() -> int:
     """The first of the fresh seeds: of the CI run where there is one, else of the time."""
@@ -33,6 +36,19 @@ def test_nothing_is_lost_repeated_stranded_or_uncovered_on_fresh_seeds(record_pr
         assert not told.failed, told.describe()
         totals.add(told)
     print(f"chaos: seeds {first} to {first + SEEDS - 1}: {totals.as_row()}")
+    assert totals.events > 0
+    assert totals.restarts > 0
+
+
+def test_nor_through_the_live_driver_in_virtual_time(record_property: pytest.RecordProperty) -> None:
+    first = fresh()
+    record_property("first_live_seed", first)
+    totals = Totals()
+    for seed in (*FAILED_ONCE_LIVE, *range(first, first + SEEDS // 4)):
+        told = trial(seed, "live")
+        assert not told.failed, told.describe()
+        totals.add(told)
+    print(f"chaos, live: seeds {first} to {first + SEEDS // 4 - 1}: {totals.as_row()}")
     assert totals.events > 0
     assert totals.restarts > 0
 

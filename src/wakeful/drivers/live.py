@@ -61,7 +61,9 @@ class LiveDriver:
         monotonic_ns: the clock that kernel time follows; a load generator may bring its own.
         stall_mark: tells the next run of a crash while nothing could be written; None: nobody will know.
         retry_s: how often writing is tried again while nothing can be written.
-        commits: the executor of one thread that commits; its own where None. One that works at once makes a run repeatable.
+        commits: the executor of one thread that commits; its own where None. One in virtual time makes a run repeatable.
+        trainings: the same for trainings.
+        incarnation: names this life of the source, where it does not go on with an earlier one.
         clock_s: by which it is measured how long treatments' steps take.
     """
 
@@ -83,12 +85,15 @@ class LiveDriver:
         stall_mark: StallMark | None = None,
         retry_s: float = RETRY_S,
         commits: Executor | None = None,
+        trainings: Executor | None = None,
+        incarnation: Callable[[], str] = lambda: uuid4().hex,
         clock_s: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.kernel = kernel
         self.journal = journal
         self._reasoner = reasoner
-        self._trainer = Trainer(learner)
+        self._trainer = Trainer(learner, trainings)
+        self._incarnation = incarnation
         self._stall_mark = stall_mark
         self._stall = Stall(source, self._now_ns, stall_mark)
         self._retry_s = retry_s
@@ -126,7 +131,7 @@ class LiveDriver:
         if known is not None and not known.finished:
             self._position, digest = known.cursor, known.digest
         else:
-            digest = uuid4().hex
+            digest = self._incarnation()
         if self._settles_garbage:
             garbage.settle()
         self._pump.hear(Begin(source=self._source, digest=digest))
@@ -234,18 +239,19 @@ class LiveDriver:
 
     async def _run(self) -> None:
         """Pump, and let the last commit come to its end; nobody waits for ever."""
+        failed: Exception | None = None
         try:
-            try:
-                await self._pump.run(self._writer)
-            finally:
-                await self._pump.drained(self._writer)
-            if self._writer.error is not None:
-                raise self._writer.error
-        except JournalError as error:
-            self._stop(error)
-        except BaseException as error:
-            self._stop(JournalError(f"the mind has stopped, nothing more is taken: {error!r}"))
-            raise  # a defect: whoever leaves the mind's context hears of it whole
+            await self._pump.run(self._writer)
+        except Exception as error:
+            failed = error
+        await self._pump.drained(self._writer)
+        if failed is None and isinstance(self._writer.error, Exception):
+            failed = self._writer.error
+        if isinstance(failed, JournalError):
+            self._stop(failed)
+        elif failed is not None:
+            self._stop(JournalError(f"the mind has stopped, nothing more is taken: {failed!r}"))
+            raise failed  # a defect: whoever leaves the mind's context hears of it whole
 
     def _stop(self, error: JournalError) -> None:
         self._room.close(error)
@@ -263,7 +269,9 @@ class LiveDriver:
 
     def _act(self, requests: Requests) -> None:
         for call in requests.calls:
-            self._calls.make(call)
+            # Where kernel time has gone on over a limit, after a restart say, nobody waits for it any more.
+            if self.kernel.awaits(call.process, call.seq):
+                self._calls.make(call)
         for training in requests.trainings:
             reach("acting: training")
             self._trainer.start(training)

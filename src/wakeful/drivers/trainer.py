@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 from wakeful.contracts.learner import Learner
 from wakeful.facts.crash_points import reach
@@ -14,11 +14,12 @@ class Trainer:
 
     Args:
         learner: trains; the same job gives the same bytes.
+        pool: the executor of one thread that does so; its own where None.
     """
 
-    def __init__(self, learner: Learner) -> None:
+    def __init__(self, learner: Learner, pool: Executor | None = None) -> None:
         self._learner = learner
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="wakeful-training")
+        self._pool = pool if pool is not None else ThreadPoolExecutor(1, thread_name_prefix="wakeful-training")
         self._running: dict[int, tuple[Training, Future[Trained]]] = {}
 
     def start(self, training: Training) -> None:
