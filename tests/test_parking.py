@@ -24,6 +24,7 @@ from wakeful.journal import MemoryJournal
 from wakeful.journal.aside import AsideFile
 from wakeful.journal.audit import audit
 from wakeful.journal.export import exported
+from wakeful.scheduling import agenda
 
 LIMIT_S = 60.0
 
@@ -225,3 +226,14 @@ def test_where_nothing_can_be_put_away_everybody_stays_at_hand(
     mind.tell("first", 0)
     mind.tell("second", 0)
     assert mind.said() == {"pump 0": "first 0 and second 0"}
+
+
+def test_limits_of_waits_that_are_over_do_not_pile_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(agenda, "_FEW", 8)
+    mind = Mind(4_096)
+    for number in range(40):
+        mind.meet(1)
+        mind.tell("first", number)
+        mind.tell("second", number)
+    assert mind.open == 0
+    assert len(mind.kernel._scheduler._agenda._limits) <= 2 + 8

@@ -63,9 +63,8 @@ class Parking:
                 self._park(self._aside, process)
             except AsideFull as error:
                 _LOG.warning("%s", error)
-                self._keep *= 2  # they stay at hand: it is tried again when there are twice as many
+                self._keep = 2 * processes.parkable  # they stay at hand: it is tried again when there are twice as many
                 break
-        self._scheduler.parked()
 
     def _park(self, aside: Aside, process: Process) -> None:
         parked = _Parked(

@@ -65,6 +65,7 @@ class Agenda:
         """Let the request's limit pass when it comes; nothing where it has none."""
         if pending.expires_ns is not None:
             self._enter(pending.expires_ns, Rank.LIMIT, pending.process, pending.seq)
+            self._sweep()
 
     def settle_at(self, at_ns: int) -> None:
         """Settle at that instant whatever else falls due, unless that is to be done sooner anyway."""
@@ -98,8 +99,8 @@ class Agenda:
             self._tick_ns = None
         return Due(entry[0], Rank(entry[1]), entry[2], entry[3])
 
-    def sweep(self) -> None:
-        """Forget limits that no longer hold, where most don't."""
+    def _sweep(self) -> None:
+        """Forget limits that no longer hold, where most don't: what was answered long before its limit, and who is parked."""
         if len(self._limits) > 2 * self._processes.at_hand + _FEW:
             self._limits = [entry for entry in self._limits if self._holds(entry)]
             heapq.heapify(self._limits)

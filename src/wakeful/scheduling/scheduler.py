@@ -219,10 +219,6 @@ class Scheduler:
         if not self.processes.crashes.of(process.event.id):
             self._running.warm(process)
 
-    def parked(self) -> None:
-        """Some were parked: what was noted of them is forgotten."""
-        self._agenda.sweep()
-
     # --- what comes from outside ---
 
     def answer(self, answer: Answer) -> None:
