@@ -18,7 +18,8 @@ _STYLE = (
     "td{font-variant-numeric:tabular-nums}"
     "td:first-child,th:first-child{text-align:left}thead th{border-bottom:2px solid #888}"
     "small{display:block;color:#666;font-size:11px}small.far{color:#a33}"
-    ".figures{display:flex;flex-wrap:wrap;gap:1rem}.figures img{max-width:100%;flex:1 1 30rem;min-width:0}"
+    ".figures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(34rem,100%),1fr));gap:1rem;align-items:center}"
+    ".figures img{width:100%}"
 )
 NOTE = (
     "Mean ± sample standard deviation over the seeds; below it, where the paper has such a cell, its figure and z, the distance "
