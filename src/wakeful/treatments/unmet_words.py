@@ -6,7 +6,7 @@ So is one of those that the domain declares. Only what is new can be like someth
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Generator, Mapping, Sequence
 from functools import partial
 
 from msgspec import convert
@@ -65,8 +65,9 @@ async def meant(event: Event, cases: Sequence[Episode], mind: Mind) -> tuple[Mea
     new = unmet(event, cases, mind)
     if not new:
         return ()
+    read_all: Callable[[], Awaitable[object]] = partial(_near, new)
     try:
-        answer = await mind.call(partial(_near, new), "meaning", WITHIN_S)
+        answer: object = await mind.call(read_all, "meaning", WITHIN_S)
     except Refusal:
         return ()
     near = convert(answer, tuple[dict[str, float], ...])
