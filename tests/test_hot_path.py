@@ -151,6 +151,7 @@ def told(kernel: Kernel) -> object:
         [(each.id, each.state, each.steps, each.decision) for each in rooms._scheduler.processes],
         [each.event for each in rooms._episodes.search(Query(limit=50), rooms.now_ns)],
         rooms._exemplars.noise,
+        (rooms._recent.weights, rooms._recent.heard, rooms._recent.outdoes_memory),
     )
 
 

@@ -37,8 +37,8 @@ RESCALED: Final = 64
 """Columns are scaled anew after so many rows."""
 _LATEST: Final = len(WINDOWS) - 1
 _NEAR: Final = 0.01
-_COUNT: Final = 3.0
-"""What each label counts beside the votes: of an event that is far from all its neighbours little is said."""
+_COUNT: Final = 6.0
+"""What all labels together count beside the votes, evenly: of an event that is far from all its neighbours little is said."""
 _LEAST_SCALE: Final = 1e-3
 _LEAST_CATEGORY: Final = 0.25
 """A category that was seldom met must not stand for more than several numbers together."""
@@ -90,7 +90,7 @@ class Windows:
         distances = np.einsum("ij,ij->i", apart, apart)
         label = self._label[here]
         age = np.arange(len(label) - 1, -1, -1, dtype=np.float64)
-        found = np.full((len(WINDOWS), self._labels), _COUNT)
+        found = np.full((len(WINDOWS), self._labels), _COUNT / self._labels)
         for place, window in enumerate(WINDOWS):
             cut = max(0, len(label) - window.rows)
             likest = np.arange(cut, len(label))
