@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from wakeful.contracts.journal import JournalError, JournalStalled
-from wakeful.facts.lines import Line, Noted
+from wakeful.facts.lines import LOST_END, Line, Noted
 from wakeful.journal import SqliteJournal, open_journal
 from wakeful.journal.audit import audit
 from wakeful.testing.faulty_disk import FaultyDisk, Survival
@@ -41,14 +42,16 @@ def whole(path: Path, acknowledged: int) -> int:
         lines = list(journal.lines())
         assert [line.position for line in lines] == list(range(1, journal.last + 1))
         assert journal.last >= acknowledged
-        assert journal.last % PER_COMMIT == 0
+        told = [isinstance(line.record, Noted) and line.record.what == LOST_END for line in lines]
+        written = journal.last - sum(told)
+        assert written % PER_COMMIT == 0
         checks = audit(journal).checks
         assert checks["readable"].ok
         assert checks["positions"].ok
         assert checks["whole"].ok
-        assert journal.state().get("cursor", b"0") == str(max(0, journal.last - PER_COMMIT)).encode()
+        assert journal.state().get("cursor", b"0") == str(max(0, written - PER_COMMIT)).encode()
         commit(journal)
-        return journal.last - PER_COMMIT
+        return written
 
 
 @pytest.mark.parametrize("fault", ["full", "read-only", "broken"])
@@ -138,7 +141,9 @@ def test_a_torn_end_of_the_write_ahead_file_loses_whole_commits_only(tmp_path: P
     assert 0 < whole(path, 0) < written
 
 
-def test_a_lost_write_ahead_file_leaves_the_journal_as_of_its_last_checkpoint(tmp_path: Path, disk: FaultyDisk) -> None:
+def test_a_lost_write_ahead_file_leaves_the_journal_as_of_its_last_checkpoint_and_is_told_of(
+    tmp_path: Path, disk: FaultyDisk, caplog: pytest.LogCaptureFixture
+) -> None:
     path = tmp_path / "mind.db"
     with open_journal(path, vfs=disk.name) as journal:
         commit(journal, 2)  # closing makes a checkpoint
@@ -149,7 +154,28 @@ def test_a_lost_write_ahead_file_leaves_the_journal_as_of_its_last_checkpoint(tm
         journal.close()
     disk.restore_power("all")
     (tmp_path / "mind.db-wal").unlink()
-    assert whole(path, 10) == 10
+    with caplog.at_level(logging.ERROR, "wakeful.journal"), open_journal(path) as journal:
+        lines = list(journal.lines())
+        assert audit(journal).ok
+    assert len(lines) == 11
+    assert isinstance(lines[-1].record, Noted)
+    assert lines[-1].record.what == LOST_END
+    assert "positions 11 to 25 had been committed and are gone" in caplog.text
+    caplog.clear()
+    with open_journal(path) as journal:
+        assert journal.last == 11  # it is told once
+    assert not caplog.text
+
+
+def test_a_journal_that_is_made_anew_in_the_place_of_one_that_was_removed_has_lost_nothing(
+    tmp_path: Path, disk: FaultyDisk
+) -> None:
+    path = tmp_path / "mind.db"
+    with open_journal(path, vfs=disk.name) as journal:
+        commit(journal, 2)
+    path.unlink()
+    with open_journal(path) as journal:
+        assert journal.last == 0
 
 
 def _says_so_or_reads(path: Path, before: list[Line]) -> bool:

@@ -270,6 +270,9 @@ class Imported(Record, frozen=True):
 #: What a Noted says of a stretch, ending then, in which its source was not recording.
 GAP = "recording gap"
 
+#: What a Noted says of a journal whose last commits are gone, though they had been durable.
+LOST_END = "the journal lost its end"
+
 #: What a Noted says of a call that was under way when its mind ended, and is made again: it is charged again too.
 RESUMPTION = "resumption"
 

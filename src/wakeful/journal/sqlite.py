@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -12,7 +13,7 @@ import apsw
 
 from wakeful.contracts.journal import JournalError, JournalStalled
 from wakeful.facts.crash_points import reach
-from wakeful.facts.lines import Line
+from wakeful.facts.lines import LOST_END, Line, Noted
 from wakeful.facts.packs import Entry, last_position
 from wakeful.journal.compaction.compactor import Compactor
 from wakeful.journal.lock import FileLock
@@ -26,6 +27,8 @@ from wakeful.journal.schema import PRESENT
 
 if TYPE_CHECKING:
     from types import TracebackType
+
+_LOG = logging.getLogger("wakeful.journal")
 
 _ROWS_PER_INSERT = 100
 
@@ -63,6 +66,7 @@ class SqliteJournal:
         self._lock: FileLock | None = None
         if read_only and not path.is_file():
             raise JournalError(f"there is no journal at {path}; make one with `wakeful run --journal {path} SOURCE`")
+        new = not path.exists()
         if not read_only:
             prepare(path)
             self._lock = FileLock(path)
@@ -83,6 +87,8 @@ class SqliteJournal:
         self._writer = BodyWriter(self._words)
         self._boot = boot_id()
         self._compactor = Compactor(self._db, retention or Retention(), self._reading.row, self._put, self._writer)
+        if self._lock is not None and not new and self._last < self._lock.known:
+            self._tell_of_loss(self._lock.known)
 
     @property
     def last(self) -> int:
@@ -123,6 +129,8 @@ class SqliteJournal:
             self._words.withdraw()
         reach("commit: done")
         self._last = last
+        if self._lock is not None and lines:
+            self._lock.note(last)
         self._compactor.committed(lines, rows)
 
     def tidy(self, least_events: int = 0) -> bool:
@@ -145,6 +153,18 @@ class SqliteJournal:
         finally:
             self._words.withdraw()
         return more
+
+    def _tell_of_loss(self, known: int) -> None:
+        """What was committed last is gone, with a write-ahead file that was lost, say, or because an older copy was put back."""
+        detail = (
+            f"positions {self._last + 1} to {known} had been committed and are gone: the write-ahead file {self.path.name}-wal was "
+            "lost, or an older copy of the journal was put in its place"
+        )
+        _LOG.error("%s: %s; what was acknowledged in them has to be offered again", self.path, detail)
+        before = next(iter(self._reading.lines(self._last - 1)), None) if self._last else None
+        self.commit(
+            [Line(self._last + 1, before.at_ns if before is not None else 0, Noted(what=LOST_END, detail=detail))], {}, {}
+        )
 
     def _append(self, entries: Sequence[Entry], last: int) -> list[Row]:
         boot = int.from_bytes(self._words.constant(self._boot), "big")
