@@ -157,8 +157,8 @@ class SqliteJournal:
     def _tell_of_loss(self, known: int) -> None:
         """What was committed last is gone, with a write-ahead file that was lost, say, or because an older copy was put back."""
         detail = (
-            f"positions {self._last + 1} to {known} had been committed and are gone: the write-ahead file {self.path.name}-wal was "
-            "lost, or an older copy of the journal was put in its place"
+            f"positions {self._last + 1} to {known} had been committed and are gone: the write-ahead file {self.path.name}-wal "
+            "was lost, or an older copy of the journal was put in its place"
         )
         _LOG.error("%s: %s; what was acknowledged in them has to be offered again", self.path, detail)
         before = next(iter(self._reading.lines(self._last - 1)), None) if self._last else None
