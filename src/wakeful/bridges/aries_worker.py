@@ -6,6 +6,7 @@ take longer than anybody wants the mind to stand still. Needs the extra ``planni
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -13,6 +14,8 @@ from pathlib import Path
 import msgspec
 
 from wakeful.facts.errands import Errands, Plan
+
+_WORDS = re.compile(r"[a-z0-9]+")
 
 
 def solve(errands: Errands) -> Plan:
@@ -25,15 +28,15 @@ def solve(errands: Errands) -> Plan:
 
     up.get_environment().credits_stream = None
     problem = up.Problem("errands")
-    at = {place: up.Fluent(f"at_{number}") for number, place in enumerate(errands.places())}
-    done = {errand.does: up.Fluent(f"done_{number}") for number, errand in enumerate(errands.errands)}
+    at = {place: up.Fluent(_name("at", number, place)) for number, place in enumerate(errands.places())}
+    done = {errand.does: up.Fluent(_name("done", number, errand.does)) for number, errand in enumerate(errands.errands)}
     for fluent in (*at.values(), *done.values()):
         problem.add_fluent(fluent, default_initial_value=False)
     problem.set_initial_value(at[errands.start], True)
     says: dict[str, str] = {}
     costs = {}
     for number, leg in enumerate(errands.legs):
-        go = up.InstantaneousAction(f"go_{number}")
+        go = up.InstantaneousAction(_name("go", number, f"{leg.start} to {leg.end}"))
         go.add_precondition(at[leg.start])
         go.add_effect(at[leg.start], False)
         go.add_effect(at[leg.end], True)
@@ -41,7 +44,7 @@ def solve(errands: Errands) -> Plan:
         costs[go] = up.Int(round(leg.cost * 100))
         problem.add_action(go)
     for number, errand in enumerate(errands.errands):
-        do = up.InstantaneousAction(f"do_{number}")
+        do = up.InstantaneousAction(_name("do", number, errand.does))
         do.add_precondition(at[errand.at])
         for before in errand.after:
             do.add_precondition(done[before])
@@ -67,6 +70,15 @@ def solve(errands: Errands) -> Plan:
         cost=round(sum(legs.get(step, 0.0) for step in steps), 6),
         pddl=_pddl(PDDLWriter(problem)),
     )
+
+
+def _name(what: str, number: int, says: str) -> str:
+    """A name that PDDL takes, that is nobody else's, and that a person can read.
+
+    >>> _name("at", 3, "Loading ramp (west)")
+    'at_3_loading_ramp_west'
+    """
+    return "_".join([what, str(number), *_WORDS.findall(says.lower())])
 
 
 def _pddl(writer: object) -> str:
