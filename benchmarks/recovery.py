@@ -1,10 +1,12 @@
 """Recovery: how long a mind takes to take up a journal, against the journal's length.
 
-    python -m benchmarks.recovery --events 10000 20000 40000 --open-one-in 100
+    python -m benchmarks.recovery --events 10000 20000 40000 --open-one-in 100 [--keep-events 20000]
 
 writes synthetic events (eight fields, automatic, judged; one in so many stays open) as the entries that a kernel gives, then
-lets a new kernel recover from them. ``read_s`` is what reading and unpacking the rows takes by itself, ``recovery_s`` the whole:
-each record applied in each room again, and open processes rebuilt. Medians of three, in seconds of CPU.
+lets a new kernel recover from them: once from a journal that keeps all of them, and where that is more than is kept by default,
+once from what is kept, with all open processes. ``read_s`` is what reading and unpacking the rows takes by itself,
+``recovery_s`` the whole: each record applied in each room again, and open processes rebuilt. Medians of three, in seconds of
+CPU.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from wakeful.drivers.assembly import assemble
 from wakeful.drivers.blobs import JournalBlobs
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import SqliteJournal, open_journal
-from wakeful.journal.retention import KEEP_ALL
+from wakeful.journal.retention import KEEP_ALL, Retention
 
 _REPEATS = 3
 
@@ -32,6 +34,7 @@ class Recovered(msgspec.Struct):
     """One journal's figures."""
 
     events: int
+    kept: int
     open: int
     file_mb: float
     read_s: float
@@ -39,21 +42,26 @@ class Recovered(msgspec.Struct):
     us_per_event: float
 
 
-def measure(folder: Path, events: int, open_one_in: int) -> Recovered:
-    """Write a journal of so many events and recover from it."""
+def measure(folder: Path, events: int, open_one_in: int, retention: Retention) -> Recovered:
+    """Write a journal of so many events, compact it, and recover from it."""
     stream = growth.Stream(days=1.0, events=events, seed=0, open_one_in=open_one_in, model_one_in=events + 1)
-    path = folder / f"{events}.db"
-    with open_journal(path, full_sync=False, retention=KEEP_ALL) as journal:
+    path = folder / f"{events}-{retention.events}.db"
+    with open_journal(path, full_sync=False, retention=retention) as journal:
         journal.commit(stream.begin(), {}, {})
         for _ in range(0, events, growth.EVENTS_PER_COMMIT):
             group = [entry for _ in range(growth.EVENTS_PER_COMMIT) for entry in stream.next()]
             journal.commit(group, {}, {})
+        while retention.events and journal.tidy(1):
+            pass
     with open_journal(path, read_only=True) as journal:
+        kept_lines = sum(1 for _ in journal.lines())
         read_s = statistics.median(_seconds(journal, recover=False) for _ in range(_REPEATS))
         recovery_s = statistics.median(_seconds(journal, recover=True) for _ in range(_REPEATS))
     return Recovered(
         events=events,
+        kept=min(events, retention.events or events),
         open=stream.open,
+        kept_lines=kept_lines,
         file_mb=round(path.stat().st_size / 1e6, 1),
         read_s=round(read_s, 2),
         recovery_s=round(recovery_s, 2),
@@ -72,11 +80,13 @@ def _seconds(journal: SqliteJournal, *, recover: bool) -> float:
     return time.process_time() - began_s
 
 
-def rows(sizes: list[int], open_one_in: int) -> Iterator[Recovered]:
+def rows(sizes: list[int], open_one_in: int, retention: Retention) -> Iterator[Recovered]:
     """One row for each size."""
     with tempfile.TemporaryDirectory() as folder:
         for events in sizes:
-            yield measure(Path(folder), events, open_one_in)
+            for retention in (KEEP_ALL, Retention()):
+                if retention is KEEP_ALL or events > retention.events:
+                    yield measure(Path(folder), events, open_one_in, retention)
 
 
 def main() -> None:
@@ -84,12 +94,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--events", type=int, nargs="+", default=[5_000, 10_000, 20_000])
     parser.add_argument("--open-one-in", type=int, default=100)
+    parser.add_argument("--keep-events", type=int, default=0, help="of the newest; 0: all")
     parser.add_argument("--json", action="store_true")
     chosen = parser.parse_args()
+    kept = chosen.keep_events
+    retention = msgspec.structs.replace(Retention(), events=kept, least=min(kept, Retention().least)) if kept else KEEP_ALL
     names = Recovered.__struct_fields__
     if not chosen.json:
         print("  ".join(name.rjust(max(9, len(name))) for name in names))
-    for row in rows(chosen.events, chosen.open_one_in):
+    for row in rows(chosen.events, chosen.open_one_in, retention):
         if chosen.json:
             print(msgspec.json.encode(row).decode(), flush=True)
         else:

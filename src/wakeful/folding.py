@@ -105,6 +105,7 @@ class Folding:
     def fold(self, entries: Iterable[Entry]) -> Folded:
         """Take up all that a journal holds, in order."""
         folded = Folded()
+        self._episodes.hurry(True)
         for entry in entries:
             folded.now_ns = entry.at_ns
             if isinstance(entry, Pack):
@@ -114,6 +115,7 @@ class Folding:
                 folded.position = entry.position
                 self.apply(entry.record, entry.at_ns)
                 folded.see(entry.record)
+        self._episodes.hurry(False)
         return folded
 
     def apply(self, record: AnyRecord, now_ns: int) -> None:

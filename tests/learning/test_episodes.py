@@ -132,3 +132,29 @@ def test_after_forgetting_a_query_still_finds_its_entity() -> None:
     found = [episode.event for episode in one.search(Query(entity="thing 1", kind="k", limit=3), LATER)]
     assert found == ["e55", "e49", "e43"]
     assert one.search(Query(entity="thing 9"), LATER) == ()
+
+
+@settings(max_examples=30, deadline=None)
+@given(before=st.integers(0, 40), folded=st.integers(0, 200), limit=st.integers(2, 60))
+def test_what_is_folded_in_a_hurry_is_recalled_as_if_it_had_been_told_one_by_one(before: int, folded: int, limit: int) -> None:
+    written = 0
+
+    def counting(events: list[Event]) -> Vector:
+        nonlocal written
+        written += len(events)
+        return np.array([encode(of) for of in events])
+
+    calm, hurried = Episodes(encode, limit=limit), Episodes(encode, limit=limit, encode_many=counting)
+    for one in (calm, hurried):
+        for number in range(before):
+            remember(one, event(number, load=number % 7 / 7))
+        one.search(Query(limit=1), LATER)
+        if one is hurried:
+            one.hurry(True)
+        for number in range(before, before + folded):
+            remember(one, event(number, load=number % 7 / 7))
+        if one is hurried:
+            one.hurry(False)
+    query = Query(event=f"e{before + folded - 1}", limit=8)
+    assert hurried.search(query, LATER) == calm.search(query, LATER)
+    assert written <= before + limit

@@ -13,13 +13,15 @@ class Retention(Fact, frozen=True):
     as learning, memory and late outcomes look back (20,000), so that a mind that recovers thinks as if nothing were gone. 0 in
     one of the limits: no such limit.
 
+    What is kept is folded again by a mind that recovers: a hundred thousand events take it some seconds (docs/performance.md).
+
     Kept whatever its age: an event with an open process, or whose outcome may still come, or in debt, or that an operator acted
     on; what their decisions rest on; model versions with their lineage, guarantees, imported experience, operators' acts, the
     openings and ends of sources.
     """
 
     days: float = 90.0
-    events: int = 500_000
+    events: int = 100_000
     megabytes: int = 1_000
     least: int = 20_000
 

@@ -60,6 +60,7 @@ class Episodes:
         self._near: Approximate | None = None
         self._encode_many = encode_many or (lambda events: np.array([encode(event) for event in events]))
         self._waiting: list[Event] = []
+        self._together = TOGETHER
         self._entries: list[_Entry] = []
         self._at: dict[str, int] = {}
         self._children: set[int] = set()
@@ -178,7 +179,13 @@ class Episodes:
         self._entries.append(_Entry(event=event, order=self._admitted))
         self._experienced.append(0)
         self._concluded.append(0)
-        if len(self._waiting) >= TOGETHER:
+        if len(self._waiting) >= self._together:
+            self._write()
+
+    def hurry(self, hurries: bool) -> None:
+        """While a journal is folded, the features of events that are forgotten again by its end are never written."""
+        self._together = self.limit + 1 if hurries else TOGETHER
+        if not hurries:
             self._write()
 
     def _write(self) -> None:
@@ -281,14 +288,15 @@ class Episodes:
             setattr(self, name, np.concatenate([getattr(self, name), np.zeros(rows - before, dtype=getattr(self, name).dtype)]))
 
     def _forget(self) -> None:
-        self._write()
         gone = max(1, len(self._entries) // 5)
+        written = len(self._entries) - len(self._waiting)
+        del self._waiting[: max(0, gone - written)]
         self._near = None  # places move: it is built anew from what is left
         for entry in self._entries[:gone]:
             del self._at[entry.event.id]
         del self._entries[:gone], self._experienced[:gone], self._concluded[:gone]
         self._forgotten += gone
-        kept = len(self._entries)
+        kept = max(0, written - gone)
         for name in ("_rows", *_COLUMNS):
             array = getattr(self, name)
             array[:kept] = array[gone : gone + kept].copy()
