@@ -1,6 +1,6 @@
 """Recovery: how long a mind takes to take up a journal, against the journal's length.
 
-    python -m benchmarks.recovery --events 10000 20000 40000 --open-one-in 100 [--keep-events 20000]
+    python -m benchmarks.recovery --events 10000 20000 40000 --open-one-in 100
 
 writes synthetic events (eight fields, automatic, judged; one in so many stays open) as the entries that a kernel gives, then
 lets a new kernel recover from them: once from a journal that keeps all of them, and where that is more than is kept by default,
@@ -54,14 +54,12 @@ def measure(folder: Path, events: int, open_one_in: int, retention: Retention) -
         while retention.events and journal.tidy(1):
             pass
     with open_journal(path, read_only=True) as journal:
-        kept_lines = sum(1 for _ in journal.lines())
         read_s = statistics.median(_seconds(journal, recover=False) for _ in range(_REPEATS))
         recovery_s = statistics.median(_seconds(journal, recover=True) for _ in range(_REPEATS))
     return Recovered(
         events=events,
         kept=min(events, retention.events or events),
         open=stream.open,
-        kept_lines=kept_lines,
         file_mb=round(path.stat().st_size / 1e6, 1),
         read_s=round(read_s, 2),
         recovery_s=round(recovery_s, 2),
