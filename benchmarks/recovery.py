@@ -78,7 +78,7 @@ def _seconds(journal: SqliteJournal, *, recover: bool) -> float:
     return time.process_time() - began_s
 
 
-def rows(sizes: list[int], open_one_in: int, retention: Retention) -> Iterator[Recovered]:
+def rows(sizes: list[int], open_one_in: int) -> Iterator[Recovered]:
     """One row for each size."""
     with tempfile.TemporaryDirectory() as folder:
         for events in sizes:
@@ -92,15 +92,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--events", type=int, nargs="+", default=[5_000, 10_000, 20_000])
     parser.add_argument("--open-one-in", type=int, default=100)
-    parser.add_argument("--keep-events", type=int, default=0, help="of the newest; 0: all")
     parser.add_argument("--json", action="store_true")
     chosen = parser.parse_args()
-    kept = chosen.keep_events
-    retention = msgspec.structs.replace(Retention(), events=kept, least=min(kept, Retention().least)) if kept else KEEP_ALL
     names = Recovered.__struct_fields__
     if not chosen.json:
         print("  ".join(name.rjust(max(9, len(name))) for name in names))
-    for row in rows(chosen.events, chosen.open_one_in, retention):
+    for row in rows(chosen.events, chosen.open_one_in):
         if chosen.json:
             print(msgspec.json.encode(row).decode(), flush=True)
         else:
