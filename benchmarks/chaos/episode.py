@@ -166,7 +166,13 @@ class _Episode:
 
     def _driver(self, journal: Witness) -> SimulatedDriver:
         plan = self.plan
-        settings = MindSettings(slots=plan.slots, reasoner_slots=plan.reasoner_slots, step_s=plan.step_s, seed=plan.seed)
+        settings = MindSettings(
+            slots=plan.slots,
+            reasoner_slots=plan.reasoner_slots,
+            step_s=plan.step_s,
+            seed=plan.seed,
+            keep_waiting=plan.keep_waiting,
+        )
         thinker = self._thinker()
         self.kernel, learner = assemble(self.domain, settings, registry=self.registry, policy=_policy(plan))
         return SimulatedDriver(self.kernel, journal, thinker, learner)

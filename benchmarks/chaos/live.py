@@ -71,7 +71,13 @@ class _LiveEpisode(_Episode):
 
     def _mind(self, journal: Witness) -> LiveDriver:
         plan, random, loop = self.plan, self._random, self._loop
-        settings = MindSettings(slots=plan.slots, reasoner_slots=plan.reasoner_slots, step_s=0.0, seed=plan.seed)
+        settings = MindSettings(
+            slots=plan.slots,
+            reasoner_slots=plan.reasoner_slots,
+            step_s=0.0,
+            seed=plan.seed,
+            keep_waiting=plan.keep_waiting,
+        )
         thinker = _Slow(self._thinker())
         self.kernel, learner = assemble(self.domain, settings, registry=self.registry, policy=_policy(plan))
         jumped_ns = to_ns(random.choice((0.0, 0.0, 0.0, -86_400.0, 3_600.0)) if plan.clock_jumps else 0.0)

@@ -34,6 +34,9 @@ CRASHES: dict[str, int] = {
 _RECOVERY = tuple(name for name in CRASHES if name.startswith("recovery"))
 _COMMITS = tuple(name for name in CRASHES if name.startswith(("commit", "feed", "acting: call")))
 
+#: So many waiting processes stay at hand where none is to be parked.
+NOBODY_PARKED = 4_096
+
 POLICIES = ("deadline_aware", "deadline_aware", "suspend_resume", "sequential", "primary_share")
 
 
@@ -59,7 +62,8 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     after the other. ``manners``: the reasoner's. ``budget``: calls that may be made in all, None: no limit. ``clock_jumps``:
     (number of the item, seconds). ``acts``: whether operators hold, release and cancel. ``rereads``: whether the source is
     read a second time. ``outcomes``: share of the events that the world shows an outcome of. ``slots``, ``reasoner_slots``,
-    ``step_s``, ``policy``: of the mind.
+    ``step_s``, ``policy``: of the mind. ``keep_waiting``: so many waiting processes stay at hand, the others are parked; the
+    second time nobody is.
     """
 
     seed: int
@@ -76,6 +80,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     reasoner_slots: int
     step_s: float
     policy: str
+    keep_waiting: int
 
     @property
     def repeatable(self) -> bool:
@@ -112,6 +117,7 @@ def draw(seed: int) -> Plan:
         reasoner_slots=random.choice((0, 1, 2)),
         step_s=random.choice((0.0, 0.02, 0.1, 0.5)),
         policy=random.choice(POLICIES),
+        keep_waiting=Random(f"parked {seed}").choice((0, 1, 3, NOBODY_PARKED)),
     )
 
 

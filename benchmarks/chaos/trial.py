@@ -9,7 +9,7 @@ import msgspec
 
 from benchmarks.chaos.episode import Report, play
 from benchmarks.chaos.live import play_live
-from benchmarks.chaos.plan import Plan, draw
+from benchmarks.chaos.plan import NOBODY_PARKED, Plan, draw
 from wakeful.facts.lines import Answered, Line
 from wakeful.scheduling.running import IN_DOUBT
 
@@ -101,12 +101,12 @@ def trial(seed: int, driver: str = "simulated") -> Trial:
             first = play_live(plan, journal)
             for file in Path(folder).iterdir():
                 file.unlink()
-            second = play_live(plan, journal)
+            second = play_live(msgspec.structs.replace(plan, keep_waiting=NOBODY_PARKED), journal)
             differs = _difference(first.export, second.export)
             return Trial(plan=plan, driver=driver, first=first, second=second, compared="before", differs=differs)
         first = play(plan, Path(folder, "first.db"))
         calm = plan.repeatable and bool(plan.ends)
-        again = msgspec.structs.replace(plan, ends=()) if calm else plan
+        again = msgspec.structs.replace(plan, ends=() if calm else plan.ends, keep_waiting=NOBODY_PARKED)
         second = play(again, Path(folder, "second.db") if again.ends else None)
     differs = _difference(first.export, second.export)
     return Trial(plan=plan, first=first, second=second, compared="undisturbed" if calm else "before", differs=differs)
