@@ -63,7 +63,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     (number of the item, seconds). ``acts``: whether operators hold, release and cancel. ``rereads``: whether the source is
     read a second time. ``outcomes``: share of the events that the world shows an outcome of. ``slots``, ``reasoner_slots``,
     ``step_s``, ``policy``: of the mind. ``keep_waiting``: so many waiting processes stay at hand, the others are parked; the
-    second time nobody is.
+    second time nobody is (but live, where rebuilding one takes the time of steps).
     """
 
     seed: int
