@@ -23,14 +23,18 @@ from wakeful.learning.episodes import Encode
 from wakeful.learning.network import softmax
 from wakeful.learning.windows import WINDOWS, EncodeMany, Windows
 
-ERRS: Final = 0.05
+ERRS: Final = 0.1
 """Recent experience is asked while the model's forecast is wrong more often than this; else the model is right enough."""
-HEARD: Final = 0.05
-"""Below this weight of all windows together the model speaks alone."""
+BETTER: Final = 1.0
+"""It is heard while it has saved so many nats of log loss, lately, over the model alone at its weight."""
 OUTDONE: Final = 2.0
 """Exemplar memory is not asked once its forecasts erred so many times more often than these, lately."""
 _MEMORY: Final = 0.98
 _RECORD_KEPT: Final = 0.998
+_SAVED_KEPT: Final = 0.99
+_ALL: Final = 100
+_SELDOM: Final = 4
+"""After ``_ALL`` comparisons every fourth outcome is compared, while nothing is heard: noise alone must not cost so much."""
 _RECORD_LIMIT: Final = 40.0
 _STEP: Final = 0.003
 _FIRST_STEP: Final = 0.1
@@ -71,6 +75,7 @@ class Recent:
         self._steps = 0
         self._errors = 0.0
         self._outdone = 0.0
+        self._saved = 0.0
 
     @property
     def weights(self) -> tuple[float, ...]:
@@ -80,7 +85,7 @@ class Recent:
     @property
     def heard(self) -> bool:
         """Whether the model's forecasts are joined by recent experience now."""
-        return self._errors > ERRS and float(self._weights[1:].sum()) > HEARD
+        return self._errors > ERRS and self._saved > BETTER
 
     @property
     def outdoes_memory(self) -> bool:
@@ -132,7 +137,8 @@ class Recent:
         if asked is not None and any(asked.prior):
             best = max(asked.prior)
             self._errors = _MEMORY * self._errors + (1.0 - _MEMORY) * (best > asked.prior[label])
-            said = self._judge(asked, event, label) if self._errors > ERRS else asked.prior.index(best)
+            asks = self._errors > ERRS and (self._steps < _ALL or self.heard or experience.id % _SELDOM == 0)
+            said = self._judge(asked, event, label) if asks else asked.prior.index(best)
             more = 0 if asked.recalled < 0 else (asked.recalled != label) - (said != label)
             self._outdone = min(max(_RECORD_KEPT * self._outdone + more, -OUTDONE), _RECORD_LIMIT)
         self._windows.add(event, label)
@@ -145,6 +151,8 @@ class Recent:
         self._steps += 1
         logs = self._logs(np.array(asked.prior), shares)
         together = softmax(self._weights @ logs)
+        alone = softmax(self._weights[0] * logs[0])
+        self._saved = round(_SAVED_KEPT * self._saved + float(np.log(together[label] / alone[label])), _DIGITS)
         step = max(_STEP, _FIRST_STEP / self._steps**0.5)
         self._weights = np.round(np.maximum(self._weights - step * (logs @ together - logs[:, label]), 0.0), _DIGITS)
         return int(together.argmax())
