@@ -13,6 +13,7 @@ from wakeful.drivers.trainer import Trainer
 from wakeful.drivers.turn import Turns
 from wakeful.drivers.writer import Group, Writer
 from wakeful.facts.crash_points import reach
+from wakeful.facts.events import CRITICAL, Draft
 from wakeful.facts.inputs import Input, Requests
 from wakeful.journal.acts import ActSpool, Handed
 from wakeful.kernel import Kernel
@@ -25,6 +26,10 @@ ACTS_POLL_S = 0.2
 
 #: So many inputs are a group, however soon they came.
 MOST_INPUTS = 64
+
+#: While quick treatments are being caught up with, what comes waits for so long at most, unless it is critical: an event that
+#: meets no backlog costs a fraction of one that has to queue, so that to hear it at once would make the backlog grow.
+CATCH_UP_S = 0.25
 
 
 class Pump:
@@ -68,6 +73,7 @@ class Pump:
         self._loop = asyncio.get_running_loop()
         self._offered = self._feeding = Offered()
         self._since_s = 0.0
+        self._urgent = False
         self._acts_due_s = 0.0
         self._wake_ns: int | None = None
         self._woken: asyncio.Future[None] | None = None
@@ -152,7 +158,7 @@ class Pump:
                 await self._work_on(writer)
             elif writer.full:
                 await self._come(None)
-            elif self._ripe() or self._acts_due() or self._trainer.ended:
+            elif (self._ripe() or self._acts_due() or self._trainer.ended) and not self._catching_up():
                 await self._take(writer)
             elif self._due():
                 self._put(writer, self._turns.feed((), self._now_ns()))
@@ -171,11 +177,13 @@ class Pump:
         if not self._offered.inputs:
             self._since_s = self._loop.time()
         self._offered.inputs.extend(inputs)
+        self._urgent |= any(each.criticality >= CRITICAL for each in inputs if each.__class__ is Draft)
         self.wake()
 
     async def _take(self, writer: Writer) -> None:
         """Feed what came."""
         self._feeding, self._offered = self._offered, Offered()
+        self._urgent = False
         inputs = self._feeding.inputs
         inputs.extend(self._trainer.finished())
         handed = self._handed()
@@ -250,6 +258,12 @@ class Pump:
         if not count:
             return False
         return count >= MOST_INPUTS or self.closing or self._loop.time() >= self._since_s + self._group_s
+
+    def _catching_up(self) -> bool:
+        """Whether processes whose treatments are quick have queued up, and nothing critical or old waits to be heard."""
+        if self._urgent or self.closing or not self.kernel.runnable or not self._turns.quick or not self._due():
+            return False
+        return not self._offered.inputs or self._loop.time() < self._since_s + CATCH_UP_S
 
     def _due(self) -> bool:
         """Whether a step can be done at once, or a limit passes."""

@@ -19,6 +19,9 @@ PER_INPUT_S = 200e-6
 #: Where there is a backlog a turn takes about so long at most, with all that the kernel does for its steps.
 BACKLOG_S = 0.01
 
+#: A step of less is quick: the kernel does more for it than the treatment.
+QUICK_S = 100e-6
+
 #: What is thought of a step before one was measured. It may be little: a turn ends early where they take longer.
 _AT_FIRST_S = 20e-6
 _LEAST_S = 1e-7
@@ -85,6 +88,11 @@ class Turns:
         self._watch = Stopwatch(page, clock_s, kernel.enough)
         self._own_s = self._whole_s = _AT_FIRST_S
         kernel.mark_on(self._watch)
+
+    @property
+    def quick(self) -> bool:
+        """Whether it is not the treatments' own code that takes the time."""
+        return self._own_s < QUICK_S
 
     def feed(self, inputs: Sequence[Input], now_ns: int, hold: bool = False) -> Requests:
         """The kernel's ``feed``, with as many steps as fit."""
