@@ -169,7 +169,9 @@ def draw(rows: list[dict[str, object]], picture: Path) -> None:
                 axes.plot([each["foretold"] for each in found], [each["came"] for each in found], marker="o", label=name)
         axes.set(title=label, xlabel="foretold probability", ylabel="share that came", xlim=(0, 1), ylim=(0, 1))
         axes.legend(fontsize=7)
-    save(figure, picture.with_suffix(""))
+    for path in save(figure, picture.with_suffix("")):
+        if path.suffix != picture.suffix:  # only the kind that was asked for is kept
+            path.unlink()
 
 
 def main() -> None:
