@@ -17,7 +17,7 @@ SEEDS = int(os.environ.get("WAKEFUL_CHAOS_SEEDS", "40"))
 #: Seeds that failed once, each by another defect (docs/chaos.md): they stay.
 FAILED_ONCE = (0, 2, 40, 497, 858, 5_544, 8_818, 4_376, 6_738, 200_006)
 
-#: The same through the live driver: a call that was made after its limit had passed.
+#: Through the live driver: a call that was made after its limit had passed; a disk that fills while a mind recovers.
 FAILED_ONCE_LIVE = (2, 77)
 
 
