@@ -75,6 +75,9 @@ class Compactor:
         self._look = True
         self._swept = False
         self._steps: Iterator[None] | None = None
+        # What was owed when it was compacted, and the events of that: none known before the first round.
+        self._owed_then: set[int] = set()
+        self._known: set[str] | None = None
 
     def committed(self, entries: Sequence[Entry], rows: Sequence[Row]) -> None:
         """Hear of what was committed."""
@@ -151,19 +154,25 @@ class Compactor:
             yield from self._catch_up()
         owed = self._owed if self._owed is not None else Owed()
         processes = owed.processes()
+        # What was compacted is looked at again only when half of it is owed no longer; else a round would last the longer the
+        # more is owed, while more comes.
+        again = self._known is None or 2 * len(self._owed_then - processes) > len(self._owed_then)
+        ((before,),) = self._query("SELECT position FROM frontier")
+        begin = 0 if again else before
+        owed_now = set(processes)
         yield from self._astride(boundary, processes)
-        sieve = Sieve(processes, owed.outcomes(boundary), owed.places())
+        sieve = Sieve(processes, owed.outcomes(boundary), owed.places(), set() if again or self._known is None else self._known)
         size = -1
         while size != sieve.size:
             size = sieve.size
-            for olds in self._rows(boundary, sieve):
+            for olds in self._rows(begin, boundary, sieve):
                 for old in olds:
                     if sieve.concerns(old.first, old.last, old.keys):
                         sieve.learn(self._read(old.id))
                 yield
             sieve.seek()
         gap, standing = Gap(), 0
-        for olds in self._rows(boundary, sieve):
+        for olds in self._rows(begin, boundary, sieve):
             standing = self._replace(olds, sieve, gap, standing)
             yield
         with self._db:
@@ -173,6 +182,8 @@ class Compactor:
         reach("compaction: done")
         self._known_ages().given_up(boundary)
         owed.given_up(boundary)
+        self._known = sieve.events
+        self._owed_then = owed_now if again else self._owed_then | owed_now
         self.rounds += 1
         yield from self._sweep()
 
@@ -233,13 +244,13 @@ class Compactor:
             position = rows[-1][0]
             yield
 
-    def _rows(self, boundary: int, sieve: Sieve) -> Iterator[list[_Old]]:
-        """What the rows up to a position are about; so many at a time that only a few of them have to be read."""
+    def _rows(self, begin: int, boundary: int, sieve: Sieve) -> Iterator[list[_Old]]:
+        """What the rows between two positions are about; so many at a time that only a few of them have to be read."""
         query = (
             "SELECT id, last, at_ns, admitted, duplicate, refused, gained, process, experience, keys FROM about "
             f"WHERE id > ? AND last <= ? AND {PRESENT} ORDER BY id LIMIT ?"
         )
-        id_ = 0
+        id_ = begin * VERSIONS + VERSIONS - 1
         while rows := list(self._query(query, id_, boundary, _ROWS_PER_STEP)):
             olds: list[_Old] = []
             read = 0

@@ -63,12 +63,13 @@ class Sieve:
         processes: the processes whose lines are kept; their events are found among the lines themselves (``learn``).
         outcomes: the outcomes that are kept, beside those that judged these processes.
         places: positions of single lines that are kept.
+        events: what is known of the events of such processes from before.
     """
 
-    def __init__(self, processes: set[int], outcomes: set[str], places: frozenset[int]) -> None:
+    def __init__(self, processes: set[int], outcomes: set[str], places: frozenset[int], events: Iterable[str] = ()) -> None:
         self._processes = processes
         self._places = places
-        self._events: set[str] = set()
+        self.events: set[str] = set(events)
         self._outcomes = outcomes
         self._sought: set[int] = set()
         self.seek()
@@ -76,13 +77,13 @@ class Sieve:
     def seek(self) -> None:
         """Make up anew what rows are recognised by."""
         self._sought = {number & 0xFFFFFFFF for number in self._processes}
-        self._sought.update(zlib.crc32(each.encode()) for each in (*self._events, *self._outcomes))
+        self._sought.update(zlib.crc32(each.encode()) for each in (*self.events, *self._outcomes))
         self._sought |= _KEPT_KINDS
 
     @property
     def size(self) -> int:
         """How much is known to be kept; it grows while ``learn`` finds more."""
-        return len(self._processes) + len(self._events) + len(self._outcomes)
+        return len(self._processes) + len(self.events) + len(self._outcomes)
 
     def concerns(self, first: int, last: int, keys: bytes) -> bool:
         """Whether a row may hold something that is kept. Else it need not be read."""
@@ -103,8 +104,8 @@ class Sieve:
 
     def _belongs(self, process: int, event: str) -> None:
         if process in self._processes:
-            self._events.add(event)
-        elif event in self._events:
+            self.events.add(event)
+        elif event in self.events:
             self._processes.add(process)
 
     def _judges(self, judged: Judged) -> None:
@@ -131,13 +132,13 @@ class Sieve:
         if not isinstance(record, GIVEN_UP) or line.position in self._places:
             return True
         if isinstance(record, Admitted):
-            return record.event.id in self._events
+            return record.event.id in self.events
         if isinstance(record, Witnessed):
             return record.outcome.id in self._outcomes
         if isinstance(record, Duplicate | Refused | Compacted | Trusted):
             return False
         process = process_of(record)
-        return process in self._processes if process else event_of(record) in self._events
+        return process in self._processes if process else event_of(record) in self.events
 
 
 class Gap:
