@@ -19,7 +19,8 @@ from pathlib import Path
 import apsw
 import msgspec
 
-from benchmarks.growth import EVENTS_PER_COMMIT, Stream
+from benchmarks.growth import EVENTS_PER_COMMIT
+from benchmarks.synthetic import Stream
 from wakeful.facts.packs import Entry, Pack, Validated, expanded, last_position
 from wakeful.journal import open_journal
 from wakeful.journal.retention import KEEP_ALL

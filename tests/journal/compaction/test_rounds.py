@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks.growth import Stream
+from benchmarks.synthetic import Stream
 from wakeful.journal import open_journal
 from wakeful.journal.audit import audit
 from wakeful.journal.retention import Retention
