@@ -134,14 +134,23 @@ class Recent:
         if label < 0:
             return
         asked = self._asked.pop(experience.process, None)
-        if asked is not None and any(asked.prior):
-            best = max(asked.prior)
-            self._errors = _MEMORY * self._errors + (1.0 - _MEMORY) * (best > asked.prior[label])
-            asks = self._errors > ERRS and (self._steps < _ALL or self.heard or experience.id % _SELDOM == 0)
-            said = self._judge(asked, event, label) if asks else asked.prior.index(best)
-            more = 0 if asked.recalled < 0 else (asked.recalled != label) - (said != label)
-            self._outdone = min(max(_RECORD_KEPT * self._outdone + more, -OUTDONE), _RECORD_LIMIT)
+        best = max(asked.prior) if asked is not None else 0.0
+        if asked is not None and best > 0.0:
+            self._errors *= _MEMORY
+            if best > asked.prior[label]:
+                self._errors += 1.0 - _MEMORY
+            if self._errors > ERRS or asked.recalled >= 0:
+                self._compare(asked, experience, event, label)
+            elif self._outdone:
+                self._outdone *= _RECORD_KEPT
         self._windows.add(event, label)
+
+    def _compare(self, asked: _Asked, experience: Experience, event: Event, label: int) -> None:
+        """Windows with the model, and memory with both where it had spoken for them."""
+        asks = self._errors > ERRS and (self._steps < _ALL or self.heard or experience.id % _SELDOM == 0)
+        said = self._judge(asked, event, label) if asks else asked.prior.index(max(asked.prior))
+        more = 0 if asked.recalled < 0 else (asked.recalled != label) - (said != label)
+        self._outdone = min(max(_RECORD_KEPT * self._outdone + more, -OUTDONE), _RECORD_LIMIT)
 
     def _judge(self, asked: _Asked, event: Event, label: int) -> int:
         """Move the weights by what each said of an event that came to ``label``; what all of them said together."""
