@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
@@ -30,8 +31,10 @@ def draft(index: int, criticality: int = 0) -> Draft:
 
 
 def live(journal: MemoryJournal) -> LiveDriver:
+    """A mind whose every step seems to take 5 ms, so that events queue up however fast the machine is."""
     kernel, learner = assemble("service_robot", MindSettings(step_s=0.0, reasoner_slots=1, overload=SETTINGS))
-    return LiveDriver(kernel, journal, GuidelineReasoner(kernel.domain.spec), learner)
+    ticks = itertools.count()
+    return LiveDriver(kernel, journal, GuidelineReasoner(kernel.domain.spec), learner, clock_s=lambda: 0.005 * next(ticks))
 
 
 async def quiet(mind: LiveDriver) -> None:
