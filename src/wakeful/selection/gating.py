@@ -1,4 +1,4 @@
-"""How a treatment is executed (z of Eq. 4), apart from which one it is: what is unfamiliar, untrusted or in doubt is not automatic."""
+"""How a treatment is executed (z of Eq. 4), apart from which: what is unfamiliar, untrusted or in doubt is not automatic."""
 
 from __future__ import annotations
 
