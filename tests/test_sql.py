@@ -24,6 +24,7 @@ RUNNERS = {"_query": 0, "_rows": 0, "_entries": 0, "number": 1, "_number": 1}
 SLOTS = {
     ("journal/reading.py", "'AND ' + where"): "fixed conditions joined, as many as keys are sought; the keys are bound",
     ("journal/compaction/compactor.py", "boundary"): "a number, and another `_rows`: of rows to compact",
+    ("journal/compaction/compactor.py", "begin"): "a number, and another `_rows`: of rows to compact",
     ("journal/sqlite.py", "table"): "a name out of the module's own tuple",
     ("journal/compaction/compactor.py", "name"): "a name out of the module's own tuple",
     ("journal/compaction/compactor.py", "table"): "a name out of the module's own tuple",

@@ -40,8 +40,12 @@ def test_it_leaves_nothing_behind_and_nothing_that_others_could_read(tmp_path: P
 def test_a_folder_without_room_is_said_and_loses_nothing() -> None:
     aside = AsideFile()
     aside.put(1, b"kept")
-    aside.limit_pages(8)
-    with pytest.raises(AsideFull, match="parked"):
+    aside._opened().execute("PRAGMA max_page_count = 8")
+
+    def fill() -> None:
         for process in range(2, 200):
             aside.put(process, b"x" * 4_000)
+
+    with pytest.raises(AsideFull, match="parked"):
+        fill()
     assert aside.take(1) == b"kept"

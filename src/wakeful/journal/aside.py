@@ -46,10 +46,6 @@ class AsideFile:
             raise KeyError(process)
         return rows[0][0]
 
-    def limit_pages(self, pages: int) -> None:
-        """Let it grow to so many pages of 4 KiB at most."""
-        self._opened().execute(f"PRAGMA max_page_count = {int(pages)}")
-
     def close(self) -> None:
         """Give the file up, with all that is in it."""
         if self._db is not None:

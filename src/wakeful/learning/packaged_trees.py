@@ -31,7 +31,8 @@ def package() -> ModuleType:
         import lightgbm  # noqa: PLC0415
     except (ImportError, OSError) as error:
         raise MissingLearner(f"the learner 'boosted' needs LightGBM: pip install 'wakeful[boosting]' ({error})") from error
-    return lightgbm
+    found: ModuleType = lightgbm
+    return found
 
 
 def grow_packaged(rows: Material, classes: int, seed: int, settings: ForestSettings) -> Forest:
