@@ -1,19 +1,17 @@
-"""What a mind costs as more processes wait: CPU for each further event, memory, pauses; and recovery against journal length.
+"""What a mind costs as more processes wait: CPU for each further event and wake, memory, pauses.
 
-    ./run python -m benchmarks.scale [--waiting 1000,10000,100000] [--at-hand 100000] [--events 1000,10000,50000] [--json]
-        [--svg docs/scale.svg]
+    ./run python -m benchmarks.scale [--waiting 1000,10000,100000] [--at-hand 100000] [--json] [--svg docs/scale.svg]
 
 Everything runs through the real kernel, with W's model and its stub treatments; waiting processes wait for a reading that comes
 a day later. For each number a row with the newest 4,096 at hand and the others parked, as by default, and one with all of them at
 hand (``--at-hand`` says up to how many). Bytes are resident memory, after what the mind keeps of all events has filled up. CPU is
 that of events that don't wait, and of readings that wake one of those that do, while as many wait; the longest feed is of all,
-those too that let them wait. Recovery is from a SQLite journal. Times are CPU: what others take of the machine does not count.
+those too that let them wait. Times are CPU: what others take of the machine does not count.
 """
 
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import resource
 import sys
@@ -21,7 +19,6 @@ import time
 from pathlib import Path
 from random import Random
 from statistics import quantiles
-from tempfile import TemporaryDirectory
 
 import msgspec
 
@@ -31,14 +28,13 @@ from benchmarks.peers.messages import TREATMENTS, Event, decode
 from benchmarks.peers.treating import TOPIC, WAITS, conclude, look, weigh
 from benchmarks.peers.workload import Workload, make
 from wakeful import Event as WakefulEvent
-from wakeful import Evidence, MindView, Outcome, Registry, Result, treatment
+from wakeful import Evidence, MindView, Registry, Result, treatment
 from wakeful.drivers import garbage
 from wakeful.drivers.assembly import assemble
 from wakeful.facts.inputs import Begin, Input, Instant, Mark
 from wakeful.facts.lines import Line, Published
 from wakeful.facts.overload import UNLIMITED
 from wakeful.facts.settings import MindSettings
-from wakeful.journal import open_journal
 from wakeful.kernel import Kernel
 
 BATCH = 64
@@ -60,21 +56,12 @@ class Waiting(msgspec.Struct):
     """One row: with so many processes waiting."""
 
     waiting: int
-    parked: int
+    at_hand: int
     cpu_us_per_event: float
     cpu_us_per_wake: float
     bytes_per_waiting: float
     p99_batch_ms: float
     longest_ms: float
-
-
-class Recovery(msgspec.Struct):
-    """One row: from a journal of so many events, so many of which have an open process."""
-
-    events: int
-    open: int
-    seconds: float
-    us_per_event: float
 
 
 def registry() -> Registry:
@@ -158,7 +145,7 @@ def waiting(workload: Workload, count: int, keep_waiting: int) -> Waiting:
     before, first = _resident(), world.position + 1
     took = fed(kernel, world, count, waits=True)
     garbage.settle()
-    grown_bytes, parked = _resident() - before, kernel.parked
+    grown_bytes, at_hand = _resident() - before, count - kernel.parked
     further = fed(kernel, world, FURTHER, waits=False)
     cpu_event = sum(further) / 1e3 / (len(further) * BATCH)
     took += further
@@ -180,49 +167,13 @@ def waiting(workload: Workload, count: int, keep_waiting: int) -> Waiting:
     cpu_wake = (time.process_time() - cpu) / len(woken)
     return Waiting(
         waiting=count,
-        parked=parked,
+        at_hand=at_hand,
         cpu_us_per_event=cpu_event * 1e6,
         cpu_us_per_wake=cpu_wake * 1e6,
         bytes_per_waiting=grown_bytes / count,
         p99_batch_ms=quantiles(took, n=100)[-1],
         longest_ms=max(took),
     )
-
-
-def recovery(workload: Workload, count: int) -> Recovery:
-    """Write a journal of so many events, a hundredth of which still wait, and recover from it."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "mind.db"
-        kernel, world = new_kernel(), World(workload)
-        with open_journal(path, full_sync=False) as journal:
-            journal.commit(begun(workload, kernel), {}, {workload.card.blob: workload.weights})
-            requests = kernel.feed([Begin(source="w", digest="w")], 1)
-            journal.commit(requests.lines, kernel.changed(), requests.blobs)
-            for _ in range(0, count, 100):
-                inputs = [*world.inputs(99, waits=False), *world.inputs(1, waits=True)]
-                for number in range(world.position - 99, world.position):
-                    at_ns = world.at_ns + 1
-                    inputs.append(_outcome(number, f"{_category(inputs, number, world)}", at_ns))
-                requests = kernel.feed(inputs, kernel.now_ns)
-                journal.commit(requests.lines, kernel.changed(), requests.blobs)
-        again = new_kernel()
-        gc.collect()
-        with open_journal(path, full_sync=False) as journal:
-            began = time.process_time()
-            again.recover(journal.entries(), journal.state(), {workload.card.blob: workload.weights})
-            seconds = time.process_time() - began
-        if again.counts != kernel.counts:
-            raise ValueError(f"recovered {again.counts}, not {kernel.counts}")
-        return Recovery(events=count, open=count // 100, seconds=seconds, us_per_event=seconds / count * 1e6)
-
-
-def _category(inputs: list[Input], number: int, world: World) -> str:
-    found = inputs[3 * (number - (world.position - 99)) + 1]
-    return found.entity  # type: ignore[union-attr]  # every second of three is a draft
-
-
-def _outcome(number: int, entity: str, at_ns: int) -> Outcome:
-    return Outcome(id=f"o{number}", topic="outcome", entity=entity, label="none", at_ns=at_ns)
 
 
 def _resident() -> int:
@@ -233,9 +184,9 @@ def _resident() -> int:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
-def table(rows: list[Waiting] | list[Recovery]) -> str:
+def table(rows: list[Waiting]) -> str:
     """Rows as a Markdown table."""
-    names = rows[0].__struct_fields__
+    names = Waiting.__struct_fields__
     lines = ["| " + " | ".join(name.replace("_", " ") for name in names) + " |", "|---" * len(names) + "|"]
     for row in rows:
         cells = [getattr(row, name) for name in names]
@@ -243,12 +194,15 @@ def table(rows: list[Waiting] | list[Recovery]) -> str:
     return "\n".join(lines)
 
 
-def draw(path: Path, waits: list[Waiting], recoveries: list[Recovery]) -> None:
+def draw(path: Path, waits: list[Waiting]) -> None:
     """The curves, as one picture."""
     from matplotlib import pyplot  # noqa: PLC0415  # only where a picture is asked for
 
-    figure, axes = pyplot.subplots(1, 4, figsize=(15, 3.4))
-    sides = {"all at hand": [row for row in waits if not row.parked], "as by default": [row for row in waits if row.parked]}
+    figure, axes = pyplot.subplots(1, 3, figsize=(13, 3.6))
+    sides = {
+        "all at hand": [row for row in waits if row.at_hand >= row.waiting],
+        "as by default": [row for row in waits if row.at_hand < row.waiting],
+    }
     for axis, name, label in (
         (axes[0], ("cpu_us_per_event", "cpu_us_per_wake"), "CPU, µs"),
         (axes[1], ("bytes_per_waiting",), "bytes for each waiting process"),
@@ -260,8 +214,6 @@ def draw(path: Path, waits: list[Waiting], recoveries: list[Recovery]) -> None:
                 axis.plot([row.waiting for row in rows], [getattr(row, each) for row in rows], style, marker="o", label=said)
         axis.set(xscale="log", xlabel="waiting processes", ylabel=label, ylim=(0, None))
         axis.legend(fontsize=6)
-    axes[3].plot([row.events for row in recoveries], [row.seconds for row in recoveries], marker="o")
-    axes[3].set(xlabel="events in the journal", ylabel="recovery, s", xlim=(0, None), ylim=(0, None))
     figure.tight_layout()
     figure.savefig(path)
 
@@ -271,21 +223,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--waiting", default="1000,10000,100000")
     parser.add_argument("--at-hand", type=int, default=100_000)
-    parser.add_argument("--events", default="1000,10000,50000")
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--svg", type=Path)
     given = parser.parse_args()
     workload = make(1, 500)
     counts = [int(each) for each in given.waiting.split(",") if each]
     waits = [waiting(workload, each, KEPT_WAITING) for each in counts if each > KEPT_WAITING]
-    waits += [waiting(workload, each, max(counts)) for each in counts if each <= given.at_hand]
-    recoveries = [recovery(workload, int(each)) for each in given.events.split(",") if each]
+    waits += [waiting(workload, each, 2 * max(counts)) for each in counts if each <= given.at_hand]
     if given.json:
-        json.dump({"waiting": msgspec.to_builtins(waits), "recovery": msgspec.to_builtins(recoveries)}, sys.stdout, indent=1)
+        json.dump(msgspec.to_builtins(waits), sys.stdout, indent=1)
     else:
-        print("\n\n".join(table(rows) for rows in (waits, recoveries) if rows))
+        print(table(waits))
     if given.svg:
-        draw(given.svg, waits, recoveries)
+        draw(given.svg, waits)
 
 
 if __name__ == "__main__":
