@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from random import Random
 
+import msgspec
 import numpy as np
 
 from tests.learning.worlds import LABELS, event
@@ -151,3 +152,31 @@ def test_memory_that_is_right_stays() -> None:
         recent.apply(decided(process, said, foretold=SURE, recalled=1))
         recent.gain(gained(process, LABELS[1]), event(process, load=0.1))
     assert not recent.outdoes_memory
+
+
+def test_who_is_heard_falls_silent_again_where_it_knows_no_better_than_the_model_alone() -> None:
+    recent, random = new(), Random(3)
+    lived(recent, 1_200)
+    assert recent.heard
+    heard = 0
+    for process in range(2_000, 3_500):  # from here on the model is right but for noise, which nobody can foretell
+        load = random.random()
+        right = int(load >= 0.5)
+        recent.apply(decided(process, {LABELS[right]: 0.85, LABELS[1 - right]: 0.15}))
+        told = right if random.random() > 0.15 else 1 - right
+        recent.gain(gained(process, LABELS[told]), event(process, load=load))
+        heard += recent.heard
+    assert heard < 600
+
+
+def test_a_model_of_fewer_labels_teaches_the_same_packed_or_not() -> None:
+    packed, recorded = new(), new()
+    basis = msgspec.structs.replace(BASIS, labels=LABELS[:1])
+    for process in range(1, 80):
+        load = process % 10 / 10
+        packed.covered(process, Choice(basis=basis, shares=(1.0,), prior=(1.0,), novelty=0.0, trust=1.0))
+        recorded.apply(decided(process, {LABELS[0]: 1.0}))
+        for recent in (packed, recorded):
+            recent.gain(gained(process, LABELS[int(load >= 0.5)]), event(process, load=load))
+    assert packed.weights == recorded.weights
+    assert packed.weights[0] < 1.0

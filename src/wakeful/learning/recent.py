@@ -26,7 +26,7 @@ from wakeful.learning.windows import WINDOWS, EncodeMany, Windows
 ERRS: Final = 0.1
 """Recent experience is asked while the model's forecast is wrong more often than this; else the model is right enough."""
 BETTER: Final = 1.0
-"""It is heard while it has saved so many nats of log loss, lately, over the model alone at its weight."""
+"""It is heard while it has saved so many nats of log loss, lately, over the model alone."""
 OUTDONE: Final = 2.0
 """Exemplar memory is not asked once its forecasts erred so many times more often than these, lately."""
 _MEMORY: Final = 0.98
@@ -108,7 +108,7 @@ class Recent:
     def says(self, prior: Mapping[str, float]) -> str:
         """In words, that the model is not alone: ``prior`` is what it forecast by itself."""
         label = max(prior, key=lambda name: prior[name])
-        share = float(self._weights[1:].sum() / self._weights.sum())
+        share = float(self._weights[1:].sum() / max(self._weights.sum(), 1e-9))
         return (
             f"The model's forecasts have been wrong in {self._errors:.0%} of late, so recent experience joins them "
             f"({share:.0%} of the weight); alone the model says {label!r} with {prior[label]:.3f}."
@@ -116,8 +116,11 @@ class Recent:
 
     def covered(self, process: int, choice: Choice) -> None:
         """Take up an automatic decision by a model alone, as ``apply`` of its Decided does."""
-        if choice.basis.labels == self.labels:
-            self._ask(process, choice.prior)
+        labels, prior = choice.basis.labels, choice.prior
+        if labels != self.labels:
+            named = dict(zip(labels, prior, strict=True))
+            prior = tuple(named.get(name, 0.0) for name in self.labels)
+        self._ask(process, prior)
 
     def apply(self, record: AnyRecord) -> None:
         """Take up a process's first Decided (deliberation decides again); all else passes by."""
@@ -160,7 +163,7 @@ class Recent:
         self._steps += 1
         logs = self._logs(np.array(asked.prior), shares)
         together = softmax(self._weights @ logs)
-        alone = softmax(self._weights[0] * logs[0])
+        alone = softmax(logs[0])  # what is said where nothing joins it
         self._saved = round(_SAVED_KEPT * self._saved + float(np.log(together[label] / alone[label])), _DIGITS)
         step = max(_STEP, _FIRST_STEP / self._steps**0.5)
         self._weights = np.round(np.maximum(self._weights - step * (logs @ together - logs[:, label]), 0.0), _DIGITS)

@@ -58,7 +58,7 @@ class Windows:
         self._encode_many = encode_many
         self._labels = labels
         self._rows: npt.NDArray[np.float64] = np.zeros((0, 0))
-        self._label: npt.NDArray[np.int64] = np.zeros(2 * LONGEST, dtype=np.int64)
+        self._label: npt.NDArray[np.int64] = np.zeros(3 * LONGEST, dtype=np.int64)
         self._waiting: list[Event] = []
         self._first = 0
         self._rates: tuple[tuple[int, int], Vector] = ((-1, -1), np.zeros(0))
@@ -67,7 +67,7 @@ class Windows:
 
     def add(self, event: Event, label: int) -> None:
         """One more experience; its features are made when they are asked for, many at once."""
-        if self.count - self._first == 2 * LONGEST:
+        if self.count - self._first == 3 * LONGEST:
             self._drop()
         self._label[self.count - self._first] = label
         self._waiting.append(event)
@@ -103,14 +103,15 @@ class Windows:
         return np.asarray(found / found.sum(axis=1, keepdims=True))
 
     def _drop(self) -> None:
-        """Let go of the older half; what was never asked for of it is never encoded."""
-        if len(self._waiting) < LONGEST:
+        """Let go of the oldest third, so that who was decided on within the last two can still be compared; what was never asked
+        for of it is never encoded."""
+        if len(self._waiting) < 2 * LONGEST:
             self._write()
-            self._rows[:LONGEST] = self._rows[LONGEST:]
+            self._rows[: 2 * LONGEST] = self._rows[LONGEST:]
         else:
-            del self._waiting[:-LONGEST]
+            del self._waiting[: -2 * LONGEST]
         self._first += LONGEST
-        self._label[:LONGEST] = self._label[LONGEST:]
+        self._label[: 2 * LONGEST] = self._label[LONGEST:]
 
     def _write(self) -> None:
         waiting, self._waiting = self._waiting, []
@@ -118,7 +119,7 @@ class Windows:
             return
         made = np.asarray(list(self._encode_many(waiting)))
         if not self._rows.size:
-            self._rows = np.zeros((2 * LONGEST, made.shape[1]))
+            self._rows = np.zeros((3 * LONGEST, made.shape[1]))
         end = self.count - self._first
         self._rows[end - len(waiting) : end] = made
 
