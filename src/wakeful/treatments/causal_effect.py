@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import exp
+from math import exp, inf
 
 from wakeful.facts.events import Event
 from wakeful.facts.values import Fact
@@ -88,7 +88,22 @@ def _base_rate(times: Sequence[float], causes: Sequence[float], within_s: float,
     if len(times) < least:
         return None
     alone = [then for then in times if not any(0.0 < at - then <= within_s for at in causes)]
-    length_s = max((*times, *causes)) - min((*times, *causes))
+    oldest_s, newest_s = max((*times, *causes)), min((*times, *causes))
     # time that lies in some cause's window is not time without it
-    free_s = length_s - min(sum(within_s for at in causes if at >= 0.0), length_s)
+    free_s = oldest_s - newest_s - _covered_s(causes, within_s, newest_s)
     return 1.0 - exp(-len(alone) * within_s / free_s) if free_s > within_s else None
+
+
+def _covered_s(causes: Sequence[float], within_s: float, newest_s: float) -> float:
+    """How much of the time until ``newest_s`` lies in some cause's window; what lies in several of them counts once.
+
+    >>> _covered_s((100.0, 95.0, 10.0), 20.0, 0.0)
+    35.0
+    """
+    covered_s = 0.0
+    reached_s = inf
+    for at in sorted(causes, reverse=True):  # ages: the oldest first
+        until_s = max(at - within_s, newest_s)
+        covered_s += max(min(at, reached_s) - until_s, 0.0)
+        reached_s = until_s
+    return covered_s
