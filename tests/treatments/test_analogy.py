@@ -20,12 +20,14 @@ def test_what_is_shared_transfers_and_what_is_not_does_not() -> None:
     assert "it shares state, but not load, colour" in result.says
 
 
-def test_the_treatment_that_served_like_cases_is_taken_over_and_its_failures_count_against_it() -> None:
+def test_the_treatment_that_served_like_cases_is_taken_over_and_only_its_own_cases_tell_how_often_it_is_wrong() -> None:
     good = [episode(f"g{at}", 10.0, treatment="diagnosis", verdict="supported", outcome="stop", state="hot") for at in range(2)]
     bad = [episode(f"b{at}", 10.0, treatment="planning", verdict="contradicted", outcome="none", state="hot") for at in range(4)]
     result = likened(*good, *bad, state="hot")
     assert result.treat_as == "diagnosis"
-    assert result.wrong == pytest.approx((0.6 + 4) / (2.0 + 6), abs=1e-3)
+    assert result.wrong == pytest.approx(0.6 / (2.0 + 2), abs=1e-3)
+    failed = episode("f", 10.0, treatment="diagnosis", verdict="contradicted", outcome="none", state="hot")
+    assert likened(*good, failed, *bad[:3], state="hot").wrong == pytest.approx((0.6 + 1) / (2.0 + 3), abs=1e-3)
     assert result.wrong_low < result.wrong < result.wrong_high
 
 
@@ -51,3 +53,20 @@ def test_the_nearer_case_is_worth_more() -> None:
     far = episode("f", 10.0, likeness=0.9, state="hot", load=0.0)
     result = likened(far, near, state="hot", load=0.5)
     assert [case.event for case in result.cases] == ["n", "f"]
+
+
+def test_where_no_case_of_the_treatment_was_judged_the_risk_is_taken_for_as_high_as_it_may_be() -> None:
+    other = [episode(f"m{at}", 10.0, treatment="memory", verdict="contradicted", outcome="stop", state="hot") for at in range(3)]
+    unjudged, judged = (
+        ScriptedMind(DOMAIN, "auto", script(episode("d", 10.0, verdict=verdict, state="hot"), *other)).run(
+            analogy, event("current_high", "thing", state="hot")
+        )
+        for verdict in ("", "supported")
+    )
+    assert isinstance(unjudged, Analogy)
+    assert isinstance(judged, Analogy)
+    assert unjudged.treat_as == judged.treat_as == "diagnosis"
+    assert "no case of it has been judged yet" in unjudged.says
+    assert unjudged.wrong == pytest.approx(0.3)
+    assert unjudged.confidence == pytest.approx(1.0 - unjudged.wrong_high, abs=1e-3)
+    assert unjudged.confidence < judged.confidence == pytest.approx(1.0 - judged.wrong, abs=1e-3)

@@ -19,7 +19,7 @@ from wakeful.treatments.overlap import Meanings, Overlap, overlap, worth
 from wakeful.treatments.remembering import resting, similar
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.unmet_words import Meant, meanings, meant
-from wakeful.treatments.wording import bare, brief, percent, subject
+from wakeful.treatments.wording import bare, brief, counted, percent, subject
 
 
 class AnalogySettings(Fact, frozen=True):
@@ -68,6 +68,8 @@ class Analogy(Result, frozen=True, kw_only=True, tag="analogy"):
     treat_as: str = ""
     """The treatment that served the nearest cases best; provisional."""
     wrong: float = 1.0
+    """How likely the forecast of that treatment is contradicted, by the near cases that it treated: whether a forecast held
+    stands in for whether the treatment was right, which nobody tells."""
     wrong_low: float = 0.0
     wrong_high: float = 1.0
     meanings: tuple[Meant, ...] = ()
@@ -115,18 +117,20 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
         likest = said.answer.case
         near.sort(key=lambda case: case.event != likest)
     treat_as = _serves(near)
-    belief = _wrong(near, settings)
+    judged = [case for case in near if case.treatment == treat_as and case.verdict in ("supported", "contradicted")]
+    belief = _wrong(judged, settings)
     low, high = belief.interval(settings.mass)
+    # where no case of that treatment was judged, the risk is taken for as high as it may be
+    risk = belief.mean if judged else high
     nearest = near[0] if near else None
     by_event = {episode.event: episode for episode in found}
     voice = recalled_voice(mind, event, (by_event[case.event] for case in near))
     forecast = pooled(mind, event, [voice])
-    ended = sum(1 for case in near if case.verdict in ("supported", "contradicted"))
     return Analogy(
         says=sentence(
-            mind, subject(event), _nearest(nearest, cases), _treat(treat_as, belief.mean, low, high, ended), expectation(forecast)
+            mind, subject(event), _nearest(nearest, cases), _treat(treat_as, belief.mean, low, high, len(judged)), expectation(forecast)
         ),
-        confidence=sure(mind, NOTHING_TO_GO_ON if nearest is None else nearest.worth * (1.0 - belief.mean)),
+        confidence=sure(mind, NOTHING_TO_GO_ON if nearest is None else nearest.worth * (1.0 - risk)),
         rests_on=(
             f"event {event.id}",
             *resting(by_event[case.event] for case in near),
@@ -175,9 +179,9 @@ def _serves(near: Sequence[Case]) -> str:
     return best if scores.get(best, 0.0) > 0.0 else ""
 
 
-def _wrong(near: Sequence[Case], settings: AnalogySettings) -> Belief:
-    contradicted = sum(case.worth for case in near if case.verdict == "contradicted")
-    supported = sum(case.worth for case in near if case.verdict == "supported")
+def _wrong(judged: Sequence[Case], settings: AnalogySettings) -> Belief:
+    contradicted = sum(case.worth for case in judged if case.verdict == "contradicted")
+    supported = sum(case.worth for case in judged if case.verdict == "supported")
     return Belief.of(settings.wrong_before, settings.before_cases).after(contradicted, supported)
 
 
@@ -195,7 +199,7 @@ def _nearest(nearest: Case | None, cases: Sequence[Case]) -> str:
 def _treat(treat_as: str, wrong: float, low: float, high: float, ended: int) -> str:
     if not treat_as:
         return "; no treatment is proven on such cases"
-    rested = f"from {ended} judged cases" if ended else "no such case has been judged yet"
+    rested = f"from {counted(ended, 'judged case')} of it" if ended else "no case of it has been judged yet"
     return f"; treat provisionally by {treat_as}, wrong with {percent(wrong)} ({percent(low)} to {percent(high)}, {rested})"
 
 
