@@ -36,6 +36,16 @@ def test_few_like_cases_outweigh_many_unlike_ones() -> None:
     assert voice.probabilities["stop"] > 0.5
 
 
+def test_cases_weigh_by_what_their_words_mean_where_that_is_known() -> None:
+    past = [episode("e1", 10.0, outcome="stop", thing="passenger lift"), episode("e2", 10.0, outcome="none", thing="apple")]
+    assert recalled_voice(mind(), event(thing="elevator"), past) is None
+    meant = {"thing": {"passenger lift": 0.8, "apple": 0.1}}
+    voice = recalled_voice(mind(), event(thing="elevator"), past, alike=meant)
+    assert voice is not None
+    assert voice.cases == pytest.approx(0.65)
+    assert voice.probabilities["stop"] == pytest.approx(0.64 / 0.65)
+
+
 def test_labels_that_the_domain_does_not_know_and_cases_that_have_not_ended_say_nothing() -> None:
     assert recalled_voice(mind(), event(), [episode("a", 1.0, outcome="landed"), episode("b", 1.0)]) is None
     assert prior_voice(mind(prior={"landed": 1.0})) is None

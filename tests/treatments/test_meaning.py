@@ -14,7 +14,7 @@ from wakeful.facts.domain import FieldSpec
 from wakeful.testing import ScriptedMind, check_treatment
 from wakeful.treatments import analogy as analogies
 from wakeful.treatments import meaning, unmet_words
-from wakeful.treatments.analogy import Analogy, analogy
+from wakeful.treatments.analogy import Analogy, AnalogySettings, analogy
 from wakeful.treatments.meaning import MeaningError, counts, nearness
 from wakeful.treatments.unmet_words import unmet
 
@@ -54,6 +54,15 @@ def test_a_word_that_was_never_met_is_like_the_one_that_means_the_same() -> None
     assert result.treat_as == "diagnosis"
     assert next(iter(result.meanings[0].counts)) == "passenger lift"
     assert "meaning of 'elevator': nearest passenger lift" in " ".join(result.rests_on)
+
+
+@needs_encoder
+def test_cases_that_are_near_by_meaning_alone_speak_in_the_forecast() -> None:
+    result, _ = likened(*(msgspec.structs.replace(case, outcome="stop") for case in KNOWN))
+    assert result.forecast is not None
+    assert result.forecast.label == "stop"
+    near = sum(case.worth for case in result.cases if case.worth >= AnalogySettings().near)
+    assert f"forecast: recalled outcomes, weighing {near:.3g} cases" in result.rests_on
 
 
 @needs_encoder

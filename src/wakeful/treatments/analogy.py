@@ -99,7 +99,8 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     by_meaning = settings.meaning and mind.mode != "auto" and installed()
     new = await meant(event, found, mind) if by_meaning else ()
     await mind.work(1)
-    every = (_case(event, mind, episode, meanings(new)) for episode in found)
+    alike = meanings(new)
+    every = (_case(event, mind, episode, alike) for episode in found)
     cases = tuple(sorted(every, key=lambda case: (-case.worth, case.event))[:kept])
     near = [case for case in cases if case.worth >= settings.near]
     known = {case.event for case in near}
@@ -124,7 +125,7 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     risk = belief.mean if judged else high
     nearest = near[0] if near else None
     by_event = {episode.event: episode for episode in found}
-    voice = recalled_voice(mind, event, (by_event[case.event] for case in near))
+    voice = recalled_voice(mind, event, (by_event[case.event] for case in near), alike=alike)
     forecast = pooled(mind, event, [voice])
     return Analogy(
         says=sentence(

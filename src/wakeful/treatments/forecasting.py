@@ -17,7 +17,7 @@ from wakeful.facts.results import Forecast
 from wakeful.facts.time import to_s
 from wakeful.facts.values import Fact
 from wakeful.treatments.measures import number, significant
-from wakeful.treatments.overlap import worth
+from wakeful.treatments.overlap import NO_MEANINGS, Meanings, worth
 from wakeful.treatments.wording import percent
 
 #: How many cases the prior weighs. In auto mode the result head has already learned from the episodes that are recalled,
@@ -53,15 +53,18 @@ def prior_voice(mind: Mind) -> Voice | None:
     return Voice(who="prior", probabilities=known, cases=PRIOR_CASES[mind.mode]) if known else None
 
 
-def recalled_voice(mind: Mind, event: Event, episodes: Iterable[Episode], ranked: bool = True) -> Voice | None:
+def recalled_voice(
+    mind: Mind, event: Event, episodes: Iterable[Episode], ranked: bool = True, alike: Meanings = NO_MEANINGS
+) -> Voice | None:
     """How the recalled cases ended, each weighing what it is worth; None where none has ended in a label of this domain.
 
     ``ranked`` cases were recalled by their likeness to the event; others by entity or kind, and weigh UNRANKED each.
+    ``alike``: words that count as others by their meaning.
     """
     counts: dict[str, float] = {}
     for episode in episodes:
         if episode.outcome in mind.domain.outcome.labels:
-            weight = worth(event, episode, mind.domain.fields) if ranked else UNRANKED
+            weight = worth(event, episode, mind.domain.fields, alike) if ranked else UNRANKED
             counts[episode.outcome] = counts.get(episode.outcome, 0.0) + weight
     total = sum(counts.values())
     if total <= 0.0:
