@@ -17,7 +17,7 @@ from wakeful.facts.domain import DomainSpec, Guideline
 from wakeful.facts.events import Draft
 from wakeful.facts.evidence import Evidence
 from wakeful.facts.inputs import Act, Answer, Begin, Input, Mark
-from wakeful.facts.lines import Line
+from wakeful.facts.lines import Admitted, Concluded, Line
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import to_ns
 from wakeful.journal import MemoryJournal
@@ -115,9 +115,9 @@ class Mind:
         """What was concluded, by entity."""
         events, found = {}, {}
         for line in self.journal.lines():
-            if type(line.record).__name__ == "Admitted":
+            if isinstance(line.record, Admitted):
                 events[line.record.event.id] = line.record.event.entity
-            elif type(line.record).__name__ == "Concluded":
+            elif isinstance(line.record, Concluded):
                 found[events[line.record.event]] = msgspec.json.decode(line.record.result)["says"]
         return found
 
@@ -237,3 +237,21 @@ def test_limits_of_waits_that_are_over_do_not_pile_up(monkeypatch: pytest.Monkey
         mind.tell("second", number)
     assert mind.open == 0
     assert len(mind.kernel._scheduler._agenda._limits) <= 2 + 8
+
+
+def test_an_event_may_be_thought_about_again_while_a_process_of_it_is_parked() -> None:
+    def script(mind: Mind) -> None:
+        mind.meet(1)
+        mind.feed(after_s=LIMIT_S + 1.0)
+        mind.feed(after_s=LIMIT_S + 1.0)
+        event = next(line.record.event.id for line in mind.journal.lines() if isinstance(line.record, Admitted))
+        for turn in ("first", "second", "third"):
+            mind.feed(Act(act="reopen", process=1, event=event, who="Ada", why=f"a {turn} look"))
+        mind.tell("first", 0)
+        mind.tell("second", 0)
+        mind.feed(after_s=LIMIT_S + 1.0)
+
+    calm, parking = both(script, keep_waiting=0)
+    assert len([line for line in parking.journal.lines() if isinstance(line.record, Concluded)]) == 4
+    assert stable(parking) == stable(calm)
+    assert audit(parking.journal).ok

@@ -16,6 +16,7 @@ from wakeful.facts.lines import (
     Admitted,
     AnyRecord,
     Compacted,
+    Created,
     Duplicate,
     Gained,
     Judged,
@@ -125,6 +126,8 @@ class Folding:
         if isinstance(record, Admitted | Duplicate | Refused | Compacted):
             self._admission.apply(record)
         self._processes.apply(record, now_ns)
+        if isinstance(record, Created) and record.event in self.events:
+            self._validation.know(self.events[record.event])
         self._validation.apply(record, now_ns)
         if isinstance(record, Gained):
             self._gain(record.experience, -1)

@@ -17,7 +17,7 @@ from wakeful.scheduling.scheduler import Scheduler
 from wakeful.validation import Validation
 
 #: So many are parked after one feed: a quarter of those that are too many, within these bounds, so that nobody waits long for it.
-FEWEST, MOST = 128, 1_024
+FEWEST, MOST = 128, 256
 
 
 class _Parked(msgspec.Struct, kw_only=True, omit_defaults=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from types import TracebackType
 
 import apsw
@@ -10,6 +11,10 @@ from wakeful.contracts.aside import AsideFull
 
 #: So much of it stays in memory, in KiB; the rest is on the disk.
 CACHE_KIB = 2_000
+
+
+#: What a temporary folder that has no room, or fails, may raise.
+_NO_ROOM = (apsw.FullError, apsw.IOError, apsw.CantOpenError, apsw.ReadOnlyError, apsw.BusyError)
 
 
 class AsideFile:
@@ -36,14 +41,17 @@ class AsideFile:
         """
         try:
             self._opened().execute("INSERT OR REPLACE INTO aside VALUES (?, ?)", (process, text))
-        except (apsw.FullError, apsw.IOError, apsw.CantOpenError) as error:
+        except _NO_ROOM as error:
             raise AsideFull(f"waiting processes cannot be parked: {error}; make room in SQLITE_TMPDIR") from error
 
     def take(self, process: int) -> bytes:
         """Take it back. Raises KeyError where it was not put away."""
-        rows = self._opened().execute("DELETE FROM aside WHERE process = ? RETURNING text", (process,)).fetchall()
+        db = self._opened()
+        rows = db.execute("SELECT text FROM aside WHERE process = ?", (process,)).fetchall()
         if not rows or not isinstance(rows[0][0], bytes):
             raise KeyError(process)
+        with suppress(*_NO_ROOM):  # what stays behind is written over, or goes with the file
+            db.execute("DELETE FROM aside WHERE process = ?", (process,))
         return rows[0][0]
 
     def close(self) -> None:

@@ -102,7 +102,7 @@ class Agenda:
     def _sweep(self) -> None:
         """Forget limits that no longer hold, where most don't: what was answered long before its limit, and who is parked."""
         if len(self._limits) > 2 * self._processes.at_hand + _FEW:
-            self._limits = [entry for entry in self._limits if self._holds(entry)]
+            self._limits = list(dict.fromkeys(entry for entry in self._limits if self._holds(entry)))
             heapq.heapify(self._limits)
 
     def _enter(self, at_ns: int, rank: int, process: int = 0, seq: int = 0) -> None:

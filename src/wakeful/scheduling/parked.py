@@ -1,10 +1,12 @@
-"""Who is parked: long waiters by id, by what they wait for, and by when their wait passes. About 35 bytes each.
+"""Who is parked: long waiters by id, by what they wait for, and by when their wait passes. About 45 bytes each.
 
 Python's own objects would take four times as much, and the garbage collector would walk over them. New entries stand in a
 small dictionary; from ``FRESH`` on they become a run of sorted columns, and ``RUNS`` runs become one larger run.
 """
 
 from __future__ import annotations
+
+from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,7 @@ RUNS = 8
 class _Run:
     """Columns in the order of process ids: (n,) each; ``by_key`` and ``by_limit`` are the places in another order."""
 
-    __slots__ = ("by_key", "by_limit", "first", "gone", "highest", "keys", "left", "limits", "lowest", "processes")
+    __slots__ = ("by_key", "by_limit", "first", "gone", "highest", "in_time", "keys", "left", "limits", "lowest", "processes")
 
     def __init__(self, processes: Column, keys: Column, limits: Column) -> None:
         order = np.argsort(processes, kind="stable")
@@ -33,6 +35,7 @@ class _Run:
         self.by_key = np.argsort(hashed, kind="stable").astype(np.uint32)
         self.keys = hashed[self.by_key]
         self.by_limit = np.argsort(self.limits, kind="stable").astype(np.uint32)
+        self.in_time = self.limits[self.by_limit]
         self.lowest, self.highest = int(self.processes[0]), int(self.processes[-1])
         self.gone = np.zeros(len(processes), np.bool_)
         self.first = 0
@@ -66,11 +69,11 @@ class _Run:
         """When the first limit passes."""
         while self.first < len(self.by_limit) and self.gone[self.by_limit[self.first]]:
             self.first += 1
-        return int(self.limits[self.by_limit[self.first]]) if self.first < len(self.by_limit) else LARGEST_NS
+        return int(self.in_time[self.first]) if self.first < len(self.in_time) else LARGEST_NS
 
     def until(self, at_ns: int) -> list[int]:
         """The processes whose limits pass by then."""
-        until = int(np.searchsorted(self.limits[self.by_limit], at_ns, "right"))
+        until = int(self.in_time.searchsorted(at_ns, "right"))
         return [int(self.processes[each]) for each in self.by_limit[self.first : until] if not self.gone[each]]
 
     def drop(self, place: int) -> None:
@@ -85,6 +88,7 @@ class Parked:
     def __init__(self) -> None:
         self._fresh: dict[int, tuple[int, int]] = {}
         self._fresh_by_key: dict[int, list[int]] = {}
+        self._fresh_limits: list[tuple[int, int]] = []
         self._runs: list[_Run] = []
         self._soonest_ns = LARGEST_NS
         self._count = 0
@@ -105,6 +109,7 @@ class Parked:
         hashed, limit = hash(key), LARGEST_NS if limit_ns is None else limit_ns
         self._fresh[process] = (hashed, limit)
         self._fresh_by_key.setdefault(hashed, []).append(process)
+        heappush(self._fresh_limits, (limit, process))
         self._soonest_ns = min(self._soonest_ns, limit)
         self._count += 1
         if len(self._fresh) >= FRESH:
@@ -127,8 +132,7 @@ class Parked:
                 self._runs.remove(run)
         self._count -= 1
         if limit <= self._soonest_ns:
-            fresh = min((each for _, each in self._fresh.values()), default=LARGEST_NS)
-            self._soonest_ns = min([fresh, *(each.soonest_ns() for each in self._runs)])
+            self._soonest_ns = min([self._fresh_soonest_ns(), *(each.soonest_ns() for each in self._runs)])
 
     def waiting_for(self, key: str) -> list[int]:
         """Who may wait for that key, by id."""
@@ -144,10 +148,18 @@ class Parked:
         """Whose limits pass by then, by id."""
         if at_ns < self._soonest_ns:
             return []
-        found = [process for process, (_, limit) in self._fresh.items() if limit <= at_ns]
+        found: list[int] = []
+        if self._fresh_soonest_ns() <= at_ns:
+            found = [process for process, (_, limit) in self._fresh.items() if limit <= at_ns]
         for run in self._runs:
             found += run.until(at_ns)
         return sorted(found)
+
+    def _fresh_soonest_ns(self) -> int:
+        limits = self._fresh_limits
+        while limits and self._fresh.get(limits[0][1], (0, -1))[1] != limits[0][0]:
+            heappop(limits)
+        return limits[0][0] if limits else LARGEST_NS
 
     def _stands(self, process: int) -> tuple[_Run, int]:
         for run in self._runs:
@@ -160,7 +172,7 @@ class Parked:
         processes = np.fromiter(self._fresh, np.int64, len(self._fresh))
         rest = np.array(list(self._fresh.values()), np.int64)
         self._runs.append(_Run(processes, rest[:, 0], rest[:, 1]))
-        self._fresh, self._fresh_by_key = {}, {}
+        self._fresh, self._fresh_by_key, self._fresh_limits = {}, {}, []
         small = [run for run in self._runs if run.left <= FRESH]
         if len(small) >= RUNS:
             columns = (np.concatenate(each) for each in zip(*(run.columns() for run in small), strict=True))

@@ -38,12 +38,12 @@ class KnownEvents:
         self._open_on[event] = self._open_on.get(event, 0) + 1
 
     def covered(self, event: Event, since_ns: int, process: int) -> None:
-        """Both at once, of an event that is new."""
+        """Both at once: of an event that is new, or of a parked process that is taken up."""
         identity = event.id
         self._events[identity] = event
         self._since_ns[identity] = since_ns
         self._event_of[process] = identity
-        self._open_on[identity] = 1
+        self._open_on[identity] = self._open_on.get(identity, 0) + 1
 
     def park(self, process: int) -> int | None:
         """Give away an event that only this process is open on, and return when it happened; ``covered`` takes it back."""
@@ -52,6 +52,9 @@ class KnownEvents:
             return None
         del self._event_of[process], self._open_on[event], self._events[event]
         return self._since_ns.pop(event)
+
+    def __contains__(self, event: str) -> bool:
+        return event in self._events
 
     def ran(self, process: int, event: str) -> int:
         """The process is open no longer; when its event happened, in kernel time."""

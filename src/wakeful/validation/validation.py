@@ -207,6 +207,11 @@ class Validation:
         else:
             self._events.completed(burst.process)
 
+    def know(self, event: Event) -> None:
+        """A process is about to be open on that event again: it is remembered, also where it was given away with a parked one."""
+        if event.id not in self._events:
+            self._events.admitted(event, self._recordings.since_ns(event))
+
     def park(self, process: int) -> int | None:
         """Give away the event of a process that is put out of memory while it waits, and return when it happened; None where it
         is still needed."""
