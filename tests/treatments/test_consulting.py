@@ -10,6 +10,7 @@ import pytest
 from tests.treatments.worlds import DOMAIN, episode, event, script
 from wakeful.contracts.treatment import Treatment
 from wakeful.facts.asking import Question, Reply
+from wakeful.facts.domain import Route
 from wakeful.facts.events import Event
 from wakeful.facts.results import Result
 from wakeful.facts.values import Raw
@@ -119,6 +120,20 @@ def test_a_reasoners_way_is_the_plan_only_where_it_costs_no_more() -> None:
     assert dear.plan is not None
     assert dear.plan.nodes == ("dock", "hall", "shelf")
     assert ("dock", "yard", "shelf") in [way.nodes for way in dear.alternatives]
+
+
+def test_of_ways_that_cost_the_same_the_reasoners_is_the_plan_and_says_what_it_depends_on() -> None:
+    legs = (("dock", "hall"), ("hall", "shelf"), ("dock", "yard"), ("yard", "shelf"), ("shelf", "loft"))
+    even = msgspec.structs.replace(DOMAIN, route=tuple(Route(start=start, end=end, cost=2.0) for start, end in legs))
+    trip = event("trip", "r", start="dock", goal="loft")
+    for middle in ("hall", "yard"):
+        told = script(*PAST, replies=replied(planning, {"nodes": ["dock", middle, "shelf", "loft"]}), consults=True)
+        result = ScriptedMind(even, "delib", told).run(planning, trip)
+        assert isinstance(result, Planning)
+        assert result.plan is not None
+        assert result.plan.nodes == ("dock", middle, "shelf", "loft")
+        assert result.plan.depends_on == ("shelf–loft",)
+        assert [way.depends_on for way in result.alternatives] == [()]
 
 
 def test_a_reasoners_way_across_what_is_blocked_is_refused_with_the_leg() -> None:

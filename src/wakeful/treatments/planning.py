@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Literal
 
 from msgspec import convert
+from msgspec.structs import replace
 
 from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.facts.errands import Plan, Planner
@@ -161,10 +162,12 @@ async def _task_plan(event: Event, mind: Mind, left: Graph, start: str, settings
 
 
 def _with(found: tuple[Way, ...], nodes: tuple[str, ...], left: Graph) -> tuple[Way, ...]:
-    """The ways with a reasoner's among them: it is the plan only where it costs no more than the cheapest that was found."""
-    if any(way.nodes == nodes for way in found):
-        return found
-    return tuple(sorted((*found, Way(nodes=nodes, cost=cost_of(left, nodes))), key=lambda way: way.cost))
+    """The ways with a reasoner's among them: it is the plan where none that was found costs less."""
+    others = (way for way in found if way.nodes != nodes)
+    # the sort is stable, so a tie is the reasoner's
+    first, *rest = sorted((Way(nodes=nodes, cost=cost_of(left, nodes)), *others), key=lambda way: way.cost)
+    # a leg that no way can do without is in every way, and the first says it
+    return (replace(first, depends_on=found[0].depends_on), *(replace(way, depends_on=()) for way in rest))
 
 
 def _found(trip: Trip, best: Way | None, extra: float | None, blocked: tuple[str, ...], count: int) -> str:
