@@ -145,6 +145,14 @@ class TwoKernels(RuleBasedStateMachine):
         for bench in self.both():
             bench.feed(Act(who="ana", act=act, process=process, why="a script", id=f"a{identity}" if identity else ""))
 
+    @rule(process=st.integers(1, 8))
+    def reopen(self, process: int) -> None:
+        """A person wants a completed process's event to be thought about again, once or while another process of it is open."""
+        for bench in self.both():
+            made = {line.record.process: line.record.event for line in bench.lines() if isinstance(line.record, Created)}
+            if process in made:
+                bench.feed(Act(who="ana", act="reopen", process=process, event=made[process], why="a script"))
+
     @rule(seconds=st.sampled_from([0.05, 0.1, 0.3, 2.0, 45.0]))
     def wait(self, seconds: float) -> None:
         for bench in self.both():
