@@ -129,7 +129,11 @@ async def liken(event: Event, mind: Mind, settings: AnalogySettings) -> Analogy:
     forecast = pooled(mind, event, [voice])
     return Analogy(
         says=sentence(
-            mind, subject(event), _nearest(nearest, cases), _treat(treat_as, belief.mean, low, high, len(judged)), expectation(forecast)
+            mind,
+            subject(event),
+            _nearest(nearest, cases),
+            _treat(treat_as, belief.mean, low, high, len(judged)),
+            expectation(forecast),
         ),
         confidence=sure(mind, NOTHING_TO_GO_ON if nearest is None else nearest.worth * (1.0 - risk)),
         rests_on=(
