@@ -152,6 +152,35 @@ def test_a_named_fault_gains_odds_and_no_certainty() -> None:
     assert after == pytest.approx(3 * before / (3 * before + 1 - before), abs=1e-4)
 
 
+def test_of_faults_that_exclude_one_another_what_the_named_one_gains_the_others_lose() -> None:
+    domain = msgspec.structs.replace(DOMAIN, one_fault=True)
+    replies = ({}, replied(diagnosis, {"fault": "collision"}))
+    own, told = (
+        ScriptedMind(domain, "delib", script(*PAST, replies=reply, consults=True)).run(diagnosis, HOT) for reply in replies
+    )
+    assert isinstance(own, Diagnosis)
+    assert isinstance(told, Diagnosis)
+    before, after = ({each.fault: each.posterior for each in result.suspects} for result in (own, told))
+    gained = 1.0 + 2.0 * before["collision"]  # its odds times 3, in a whole that is one again
+    assert after["collision"] == pytest.approx(3.0 * before["collision"] / gained, abs=1e-4)
+    assert after["worn gear"] == pytest.approx(before["worn gear"] / gained, abs=1e-4)
+    assert told.unexplained == pytest.approx(own.unexplained / gained, abs=1e-4)
+    assert sum(after.values()) + told.unexplained == pytest.approx(1.0, abs=1e-4)
+    assert {each.fault: each.prior for each in told.suspects} == {fault.name: fault.prior for fault in DOMAIN.fault}
+
+
+def test_a_named_fault_explains_independent_ones_away_and_the_next_check_knows_of_it() -> None:
+    own, told = think(diagnosis, event(), {}), think(diagnosis, event(), replied(diagnosis, {"fault": "worn gear"}))
+    assert isinstance(own, Diagnosis)
+    assert isinstance(told, Diagnosis)
+    before, after = ({each.fault: each.posterior for each in result.suspects} for result in (own, told))
+    assert after["collision"] < before["collision"]
+    assert told.unexplained < own.unexplained
+    assert own.next_check is not None
+    assert told.next_check is not None
+    assert told.next_check.chance != own.next_check.chance
+
+
 def test_a_judged_hazard_moves_the_forecast_by_no_more_than_its_weight() -> None:
     own, told = think(risk_prediction, HOT, {}), think(risk_prediction, HOT, replied(risk_prediction, CASES[2][2]))
     assert isinstance(own, RiskPrediction)

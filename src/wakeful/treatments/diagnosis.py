@@ -197,11 +197,10 @@ def _conclude(
     heard: tuple[str, ...],
     said: Consultation[Suspected],
 ) -> Diagnosis:
+    # what is believed from here on is the network with the reasoner's word in it; priors are told as the table has them
+    table, network = network, network if said.answer is None else network.suspecting(said.answer.fault, settings.reasoner_odds)
     posterior = network.posterior(known)
-    if said.answer is not None:
-        odds = settings.reasoner_odds * posterior[said.answer.fault]
-        posterior[said.answer.fault] = odds / (odds + 1.0 - posterior[said.answer.fault])
-    every = [_suspect(event, fault, posterior[fault.name], known) for fault in network.faults]
+    every = [_suspect(event, fault, posterior[fault.name], known) for fault in table.faults]
     suspects = tuple(sorted(every, key=lambda each: (not each.explains, -each.posterior, each.fault)))
     shown = tuple(symptom for symptom, seen in known.items() if seen)
     check, _ = most_telling(network, known, askable(mind.domain, event), (), settings.least_gain_bits) if shown else (None, None)
@@ -223,7 +222,7 @@ def _conclude(
         would_change=_would_change(top, check, mind),
         forecast=forecast,
         proposes=_proposal(event, mind, top if settled else None),
-        minimal=minimal_diagnoses(network.faults, known, settings.minimal) if settings.minimal else (),
+        minimal=minimal_diagnoses(table.faults, known, settings.minimal) if settings.minimal else (),
         consulted=said.consulted,
         suspects=suspects if shown else (),
         unexplained=significant(network.unexplained(known)) if shown else 1.0,

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from wakeful.facts.domain import Fault
@@ -46,6 +47,10 @@ class Network:
         self._silent = {
             symptom: np.array([1.0 - _chance(fault.causes.get(symptom, 0.0)) for fault in faults]) for symptom in self.symptoms
         }
+
+    def suspecting(self, name: str, odds: float) -> Network:
+        """The same network where the odds of one fault are so many times as high beforehand, and so after any findings too."""
+        return Network([_raised(fault, odds) if fault.name == name else fault for fault in self.faults], self._leak)
 
     def posterior(self, findings: Findings) -> dict[str, float]:
         """P(fault present | findings) of each fault; the priors where the findings are impossible."""
@@ -120,6 +125,11 @@ class Network:
         if len(present) <= POSITIVES:
             return list(present)
         return sorted(sorted(present, key=lambda s: float(self._silent[s].min()))[:POSITIVES])
+
+
+def _raised(fault: Fault, odds: float) -> Fault:
+    prior = _chance(fault.prior)
+    return replace(fault, prior=odds * prior / (odds * prior + 1.0 - prior))
 
 
 def _chance(probability: float) -> float:

@@ -13,6 +13,7 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from wakeful.facts.domain import DomainSpec, Fault
@@ -47,6 +48,7 @@ class OneFault(Network):
         total = float(priors.sum())
         priors = priors / total if total > 1.0 else priors
         self._weights = np.append(priors, max(1.0 - float(priors.sum()), 0.0))
+        self._leak = leak
         grouped: dict[str, list[_Bound]] = {}
         for symptom in self.symptoms:
             shows = np.array([*(fault.causes.get(symptom, leak) for fault in faults), leak])
@@ -54,6 +56,13 @@ class OneFault(Network):
             grouped.setdefault(group, []).append(_Bound(symptom, at, np.clip(shows, LEAST, 1.0 - LEAST)))
         self._bounds = {group: _falling(bounds) for group, bounds in grouped.items()}
         self._group = {bound.symptom: group for group, bounds in self._bounds.items() for bound in bounds}
+
+    def suspecting(self, name: str, odds: float) -> OneFault:
+        """The same model where the odds of one fault are so many times as high: what it gains the others lose."""
+        shares = self._weights[:-1] * [odds if fault.name == name else 1.0 for fault in self.faults]
+        whole = float(shares.sum() + self._weights[-1])
+        faults = [replace(fault, prior=float(share) / whole) for fault, share in zip(self.faults, shares, strict=True)]
+        return OneFault(faults, self._leak)
 
     def posterior(self, findings: Findings) -> dict[str, float]:
         """P(it is this fault | findings) of each fault."""
