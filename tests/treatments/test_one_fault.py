@@ -87,6 +87,42 @@ def test_bounds_that_one_value_passes_are_one_finding() -> None:
     assert below.look_for(("x<2",), {"x<1": True})["x<2"][0] > 0.99
 
 
+def test_bounds_from_below_and_from_above_cut_one_distribution() -> None:
+    """Past the upper bound is not below the lower one: that is no news."""
+    rows = ({"x>5": 0.6, "x<3": 0.1}, {"x>5": 0.3, "x<3": 0.5})
+    model = OneFault([Fault(name=str(place), prior=0.5, causes=row) for place, row in enumerate(rows)])
+    high = model.posterior({"x>5": True, "x<3": False})
+    assert high == pytest.approx(model.posterior({"x>5": True}))
+    assert high["0"] == pytest.approx(0.6 / 0.9)
+    assert model.posterior({"x>5": False, "x<3": False})["0"] == pytest.approx(0.3 / (0.3 + 0.2))
+    assert model.look_for(("x<3",), {"x>5": True})["x<3"][0] < 0.001
+
+
+@pytest.mark.parametrize(("value", "share"), [(2.0, 0.1), (4.0, 0.6), (6.0, 0.3)])
+def test_bounds_that_overlap_leave_the_middle_to_what_lies_in_both(value: float, share: float) -> None:
+    """P(x > 3) = 0.9 and P(x < 5) = 0.7 leave 0.6 between them; the other fault leaves nothing there."""
+    model = OneFault(
+        [Fault(name="a", prior=0.5, causes={"x>3": 0.9, "x<5": 0.7}), Fault(name="b", prior=0.5, causes={"x>3": 0.5, "x<5": 0.5})]
+    )
+    other = {2.0: 0.5, 4.0: 1e-4, 6.0: 0.5}[value]
+    findings = {"x>3": value > 3.0, "x<5": value < 5.0}
+    assert model.posterior(findings)["a"] == pytest.approx(share / (share + other), abs=1e-3)
+
+
+def test_bounds_that_overlap_and_are_both_said_to_be_rare_are_read_as_the_nearest_distribution() -> None:
+    """Neither fault names both; the leak would have both at 2 %, but every number is above 3 or below 5."""
+    model = OneFault([Fault(name="high", prior=0.5, causes={"x>3": 0.9}), Fault(name="low", prior=0.5, causes={"x<5": 0.9})])
+    assert model.posterior({"x>3": True, "x<5": False})["high"] == pytest.approx(0.94)
+    assert model.posterior({"x>3": False, "x<5": True})["low"] == pytest.approx(0.94)
+    assert model.posterior({"x>3": True, "x<5": True})["high"] == pytest.approx(0.5)
+
+
+def test_a_number_on_the_bound_itself_is_on_the_side_that_its_sign_says() -> None:
+    model = OneFault([Fault(name="a", prior=1.0, causes={"x<5": 0.2, "x<=5": 0.5, "x>5": 0.5, "x>=5": 0.8})])
+    chances = {symptom: model.look_for((symptom,), {"x<=5": True})[symptom][0] for symptom in ("x<5", "x>=5", "x>5")}
+    assert chances == pytest.approx({"x<5": 0.4, "x>=5": 0.6, "x>5": 0.0}, abs=1e-3)
+
+
 @given(st.permutations(["x>1", "x>2", "x>3"]), st.integers(0, 3))
 def test_the_order_of_findings_does_not_matter_and_a_bound_that_a_fault_leaves_out_is_never_less_likely(
     order: list[str], passed: int

@@ -1,15 +1,15 @@
 """Exact inference where exactly one of the table's faults is there, or none: a small Bayesian model with one hidden variable.
 
 Given the fault, fields are independent: P(symptom | fault) is what the table says, or the leak where it says nothing. Bounds on
-one and the same field (``load>0.3``, ``load>0.7``) are read as what they are, its distribution: between two of them lies a share
-of its own, so that three bounds passed are one finding and not three. Any number of findings costs the same.
+one and the same field (``load>0.3``, ``load>0.7``, ``load<0.1``) are read as what they are, its distribution: between two of them
+lies a share of its own, so that three bounds passed are one finding and not three. Any number of findings costs the same.
 Source: Pearl, *Probabilistic Reasoning in Intelligent Systems* (1988), Section 2.3.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import inf
+from statistics import fmean
 from typing import NamedTuple
 
 import numpy as np
@@ -27,10 +27,13 @@ LEAST = 1e-4
 
 
 class _Bound(NamedTuple):
-    """One symptom among those of its field, as "beyond ``at``", and P(beyond it | fault) of each fault and of none."""
+    """One symptom among those of its field: where it cuts the field, and P(beyond the cut | fault) of each fault and of none."""
 
     symptom: str
-    at: float
+    at: tuple[float, bool]
+    """The number, and whether the number itself lies below the cut."""
+    below: bool
+    """Whether the symptom is that the field is not beyond."""
     beyond: Floats
 
 
@@ -52,9 +55,10 @@ class OneFault(Network):
         grouped: dict[str, list[_Bound]] = {}
         for symptom in self.symptoms:
             shows = np.array([*(fault.causes.get(symptom, leak) for fault in faults), leak])
-            group, at = _place(symptom)
-            grouped.setdefault(group, []).append(_Bound(symptom, at, np.clip(shows, LEAST, 1.0 - LEAST)))
-        self._bounds = {group: _falling(bounds) for group, bounds in grouped.items()}
+            group, at, below = _place(symptom)
+            shows = np.clip(shows, LEAST, 1.0 - LEAST)
+            grouped.setdefault(group, []).append(_Bound(symptom, at, below, 1.0 - shows if below else shows))
+        self._bounds = {group: _distribution(bounds) for group, bounds in grouped.items()}
         self._group = {bound.symptom: group for group, bounds in self._bounds.items() for bound in bounds}
 
     def suspecting(self, name: str, odds: float) -> OneFault:
@@ -104,7 +108,8 @@ class OneFault(Network):
         passed = np.ones(len(self._weights))
         not_passed: Floats | None = None
         for bound in self._bounds[group]:
-            there = findings.get(bound.symptom)
+            seen = findings.get(bound.symptom)
+            there = None if seen is None else seen != bound.below
             if there and not_passed is not None:
                 return np.full(len(self._weights), LEAST)
             if there:
@@ -119,26 +124,58 @@ def network_of(domain: DomainSpec, leak: float) -> Network:
     return OneFault(domain.fault, leak) if domain.one_fault else Network(domain.fault, leak)
 
 
-def _place(symptom: str) -> tuple[str, float]:
-    """Which group of bounds a symptom belongs to, and where in it; one that is no bound is a group of its own."""
+def _place(symptom: str) -> tuple[str, tuple[float, bool], bool]:
+    """Whose distribution a symptom belongs to, where it cuts it, whether it is what lies below. No bound: a group of its own."""
     name, sign, value = split(symptom) or (symptom, "=", "")
     try:
         at = float(value)
     except ValueError:
-        return symptom, 0.0
-    if sign in (">", ">="):
-        return f"{name}>", at
-    return (f"{name}<", -at) if sign in ("<", "<=") else (symptom, 0.0)
+        return symptom, (0.0, False), False
+    if sign not in (">", ">=", "<", "<="):
+        return symptom, (0.0, False), False
+    # the number itself lies below the cut of "> 5" and "<= 5", and beyond that of ">= 5" and "< 5"
+    return f"{name}<>", (at, sign in (">", "<=")), sign in ("<", "<=")
 
 
-def _falling(bounds: Sequence[_Bound]) -> tuple[_Bound, ...]:
-    """In rising order, none less likely to be passed than one beyond it: who is past the second is past the first."""
+def _distribution(bounds: Sequence[_Bound]) -> tuple[_Bound, ...]:
+    """A field's bounds in rising order, none less likely to be passed than one beyond it.
+
+    Where bounds from above and from below contradict each other (``x>3`` and ``x<5``, both of them rare, though every number is
+    one of the two), the nearest distribution is taken.
+    """
+    upward = _falling([bound for bound in bounds if not bound.below])
+    downward = _falling([bound for bound in bounds if bound.below])
+    ordered = sorted((*upward, *downward), key=lambda bound: (bound.at, bound.symptom))
+    if not upward or not downward:
+        return tuple(ordered)
+    shares = np.stack([bound.beyond for bound in ordered])
+    nearest = np.stack([_nearest_falling(column) for column in shares.T], axis=1)
+    return tuple(bound._replace(beyond=beyond) for bound, beyond in zip(ordered, nearest, strict=True))
+
+
+def _falling(bounds: Sequence[_Bound]) -> list[_Bound]:
+    """Bounds of one direction: who is past the second is past the first, whatever the table says of the first."""
     found: list[_Bound] = []
-    least: Floats | float = -inf
-    for bound in sorted(bounds, key=lambda each: (-each.at, each.symptom)):
-        least = np.maximum(bound.beyond, least)
-        found.append(bound._replace(beyond=least))
-    return tuple(reversed(found))
+    rising = sorted(bounds, key=lambda each: (each.at, each.symptom))
+    # the rarest first: of bounds from above the lowest, of the others the highest
+    for bound in rising if bounds and bounds[0].below else reversed(rising):
+        reached = found[-1].beyond if found else bound.beyond
+        beyond = np.minimum(bound.beyond, reached) if bound.below else np.maximum(bound.beyond, reached)
+        found.append(bound._replace(beyond=beyond))
+    return found
+
+
+def _nearest_falling(shares: Floats) -> Floats:
+    """The falling sequence at the least squared distance: neighbours that rise get their mean (pool adjacent violators).
+
+    Source: Ayer et al., *An empirical distribution function for sampling with incomplete information* (1955).
+    """
+    pools: list[list[float]] = []
+    for share in shares:
+        pools.append([float(share)])
+        while len(pools) > 1 and fmean(pools[-2]) < fmean(pools[-1]):
+            pools[-2:] = [pools[-2] + pools[-1]]
+    return np.array([fmean(pool) for pool in pools for _ in pool])
 
 
 def _entropy(shares: Floats) -> float:
