@@ -3,9 +3,9 @@
     python -m benchmarks.growth --events 10000000 --days 30
 
 writes synthetic events (eight fields, automatic, judged) straight into a journal, as the entries that a kernel gives, with
-the documented retention; compaction runs between the commits, as between a mind's. One event in 2,000 stays open, one in 2,000
-ends in debt, and one in 50,000 comes with a new model. Prints the file's size over time, and in the end whether what is owed is
-there.
+the documented retention; after each commit compaction has one turn, as a mind's drivers give it (``drivers/tidying.py``). One
+event in 2,000 stays open, one in 2,000 ends in debt, and one in 50,000 comes with a new model. Prints the file's size over
+time, and in the end whether what is owed is there.
 """
 
 from __future__ import annotations
@@ -20,19 +20,22 @@ from pathlib import Path
 import msgspec
 
 from benchmarks.synthetic import Stream
+from wakeful.drivers.tidying import Tidying
 from wakeful.facts.lines import Compacted
 from wakeful.journal import open_journal
 from wakeful.journal.audit import audit
 from wakeful.journal.retention import Retention
 
-EVENTS_PER_COMMIT = 200
+#: As many automatic events as a mind that reads a recording commits together (``drivers/simulated.py``).
+EVENTS_PER_COMMIT = 64
 
 #: The audit reads every line that is left: above so many events it takes longer than the stream.
 AUDITED = 200_000
 
 
 class Size(msgspec.Struct):
-    """The journal at one instant of the stream. ``file_mb`` is what lies on the disk, ``wal_mb`` its write-ahead file."""
+    """The journal at one instant of the stream. ``file_mb`` is what lies on the disk, ``wal_mb`` its write-ahead file; a turn is
+    what compaction does after one commit."""
 
     events: int
     day: float
@@ -42,8 +45,8 @@ class Size(msgspec.Struct):
     debt: int
     cpu_us_per_event: float
     tidy_us_per_event: float
-    longest_step_ms: float
-    longest_step_cpu_ms: float
+    longest_turn_ms: float
+    longest_turn_cpu_ms: float
 
 
 class Growth:
@@ -54,11 +57,16 @@ class Growth:
         events: how many.
         days: of simulated time that they take.
         retention: what the journal keeps.
+        events_per_commit: how many are committed together.
     """
 
-    def __init__(self, path: Path, events: int, days: float, retention: Retention) -> None:
+    def __init__(
+        self, path: Path, events: int, days: float, retention: Retention, events_per_commit: int = EVENTS_PER_COMMIT
+    ) -> None:
         self.stream = Stream(days, events, seed=0)
         self.journal = open_journal(path, full_sync=False, retention=retention)
+        self._tidying = Tidying(self.journal)
+        self._events_per_commit = events_per_commit
         self._path = path
         self._events, self._days = events, days
         self._spent_s = self._longest_s = self._longest_cpu_s = 0.0
@@ -68,31 +76,27 @@ class Growth:
         self.journal.commit(self.stream.begin(), {}, {})
         began_s, done, told = time.process_time(), 0, 0
         while done < self._events:
-            group = [entry for _ in range(EVENTS_PER_COMMIT) for entry in self.stream.next()]
+            group = [entry for _ in range(self._events_per_commit) for entry in self.stream.next()]
             self.journal.commit(group, {}, self.stream.blobs)
             self.stream.blobs.clear()
-            done += EVENTS_PER_COMMIT
-            self._tidy(3)
+            done += self._events_per_commit
+            self._turn()
             if done * rows // self._events > told or done >= self._events:
                 told = done * rows // self._events
                 yield self._size(done, began_s)
 
     def finish(self) -> None:
         """Give up all that is old enough by now."""
-        while self._tidy(1, least_events=1):
+        while self.journal.tidy(least_events=1):
             pass
 
-    def _tidy(self, steps: int, least_events: int = 0) -> bool:
-        for _ in range(steps):
-            step_s, step_cpu_s = time.perf_counter(), time.process_time()
-            more = self.journal.tidy(least_events)
-            spent_s = time.process_time() - step_cpu_s
-            self._spent_s += spent_s
-            self._longest_cpu_s = max(self._longest_cpu_s, spent_s)
-            self._longest_s = max(self._longest_s, time.perf_counter() - step_s)
-            if not more:
-                return False
-        return True
+    def _turn(self) -> None:
+        turn_s, turn_cpu_s = time.perf_counter(), time.process_time()
+        self._tidying.turn()
+        spent_s = time.process_time() - turn_cpu_s
+        self._spent_s += spent_s
+        self._longest_cpu_s = max(self._longest_cpu_s, spent_s)
+        self._longest_s = max(self._longest_s, time.perf_counter() - turn_s)
 
     def _size(self, done: int, began_s: float) -> Size:
         wal = self._path.with_name(self._path.name + "-wal")
@@ -107,8 +111,8 @@ class Growth:
             debt=self.stream.debt,
             cpu_us_per_event=round((time.process_time() - began_s) / done * 1e6, 1),
             tidy_us_per_event=round(self._spent_s / done * 1e6, 2),
-            longest_step_ms=round(longest_s * 1e3, 1),
-            longest_step_cpu_ms=round(longest_cpu_s * 1e3, 1),
+            longest_turn_ms=round(longest_s * 1e3, 1),
+            longest_turn_cpu_ms=round(longest_cpu_s * 1e3, 1),
         )
 
     def missing(self) -> tuple[int, int, Compacted]:
@@ -133,12 +137,13 @@ def main() -> None:
     parser.add_argument("--events", type=int, default=200_000)
     parser.add_argument("--days", type=float, default=30.0)
     parser.add_argument("--keep-events", type=int, default=Retention().events)
+    parser.add_argument("--events-per-commit", type=int, default=EVENTS_PER_COMMIT)
     parser.add_argument("--rows", type=int, default=20, help="lines of the table")
     parser.add_argument("--json", action="store_true")
     chosen = parser.parse_args()
     retention = msgspec.structs.replace(Retention(), events=chosen.keep_events)
     with tempfile.TemporaryDirectory() as folder:
-        growth = Growth(Path(folder) / "mind.db", chosen.events, chosen.days, retention)
+        growth = Growth(Path(folder) / "mind.db", chosen.events, chosen.days, retention, chosen.events_per_commit)
         names = Size.__struct_fields__
         if not chosen.json:
             print("  ".join(name.rjust(max(9, len(name))) for name in names))

@@ -134,7 +134,9 @@ class SqliteJournal:
         self._compactor.committed(lines, rows)
 
     def tidy(self, least_events: int = 0) -> bool:
-        """Give up a little of what is older than the retention: a few milliseconds' work, to be done between two commits.
+        """Give up a little of what is older than the retention, in proportion to what was committed since the last time.
+
+        To be done between two commits; a few milliseconds' work for each row committed, where there is anything to do.
 
         Args:
             least_events: begin where so many events are old enough; 0: where it is worth the while, as between commits.
@@ -146,8 +148,12 @@ class SqliteJournal:
             JournalError: it could not be written, or what is old is damaged; the journal is as it was before.
         """
         try:
-            more = self._compactor.step(least_events)
-            self._words.settled()
+            more = True
+            steps = self._compactor.due()
+            while more and steps:
+                more = self._compactor.step(least_events)
+                self._words.settled()
+                steps -= 1
         except apsw.Error as error:
             raise JournalError(f"{self.path} could not be compacted: {error}; nothing of this step was done") from error
         finally:
