@@ -3,7 +3,7 @@ import pytest
 from tests.treatments.worlds import BARE, DOMAIN, episode, event, script
 from wakeful.facts.asking import Reply
 from wakeful.testing import ScriptedMind
-from wakeful.treatments.forecasting import Voice, lately_voice, model_voice, pooled, prior_voice, recalled_voice
+from wakeful.treatments.forecasting import Voice, lately_voice, model_voice, once, pooled, prior_voice, recalled_voice
 
 
 def mind(mode: str = "auto", **told: object) -> ScriptedMind:
@@ -101,3 +101,12 @@ def test_the_last_events_of_the_kind_weigh_by_how_long_ago_they_were() -> None:
     assert voice.cases == pytest.approx(1.5)
     assert voice.probabilities == pytest.approx({"stop": 1 / 1.5, "none": 0.5 / 1.5})
     assert lately_voice(mind(), event(), past[2:], half_life_s=600.0) is None
+
+
+def test_a_case_that_is_both_like_and_late_speaks_where_it_weighs_more() -> None:
+    both_like = episode("a", 600.0, outcome="stop", state="hot")  # worth 1, recency 1/2
+    both_late = episode("b", 0.0, outcome="none", state="cold")  # worth 0, recency 1
+    like = (both_like, both_late, episode("c", 1.0, kind="door_open", outcome="drop", state="hot"))
+    last = (both_late, both_like, episode("d", 5.0, outcome="stop"))
+    kept = once(event(state="hot"), like, last, DOMAIN.fields, half_life_s=600.0)
+    assert [[each.event for each in part] for part in kept] == [["a", "c"], ["b", "d"]]

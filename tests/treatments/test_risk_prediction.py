@@ -104,3 +104,9 @@ def test_an_outcome_that_no_open_hazard_speaks_of_is_told_beside_the_table() -> 
     assert [(row.hazard, row.listed) for row in result.hazards] == [("stop", True), ("drop", False)]
     assert "medium risk (stop): 7 % by the hazard table and how like cases ended (90 % credible" in result.says
     assert "drop may follow: 94 % by how like cases ended" in result.says
+
+
+def test_one_outcome_speaks_once_however_it_was_recalled() -> None:
+    result = assessed(ScriptedMind(DOMAIN, "auto", script(episode("s", 0.0, outcome="stop"))))
+    heard = [each for each in result.rests_on if each.startswith("forecast: ") and "hazard table" not in each]
+    assert heard == ["forecast: not knowing, weighing 1 cases", "forecast: the last current_high events, weighing 1 cases"]

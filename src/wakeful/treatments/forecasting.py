@@ -6,12 +6,12 @@ weighted mean: the posterior mean of a Dirichlet distribution, a linear opinion 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from wakeful.contracts.treatment import Mind
 from wakeful.facts.asking import Episode
 from wakeful.facts.decisions import Mode
-from wakeful.facts.domain import DomainSpec
+from wakeful.facts.domain import DomainSpec, FieldSpec
 from wakeful.facts.events import Event
 from wakeful.facts.results import Forecast
 from wakeful.facts.time import to_s
@@ -81,13 +81,30 @@ def lately_voice(mind: Mind, event: Event, episodes: Iterable[Episode], half_lif
     counts: dict[str, float] = {}
     for episode in episodes:
         if episode.kind == event.kind and episode.outcome in mind.domain.outcome.labels:
-            age_s = max(to_s(event.stamp.source_ns - episode.at_ns), 0.0)
-            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + 0.5 ** (age_s / half_life_s)
+            counts[episode.outcome] = counts.get(episode.outcome, 0.0) + recency(event, episode, half_life_s)
     total = sum(counts.values())
     if total <= 0.0:
         return None
     return Voice(
         who=f"the last {event.kind} events", probabilities={label: c / total for label, c in counts.items()}, cases=total
+    )
+
+
+def recency(event: Event, episode: Episode, half_life_s: float) -> float:
+    """What is left of a case's weight by its age: half of it for every ``half_life_s``."""
+    age_s = max(to_s(event.stamp.source_ns - episode.at_ns), 0.0)
+    return float(0.5 ** (age_s / half_life_s))
+
+
+def once(
+    event: Event, like: Sequence[Episode], last: Sequence[Episode], specs: Mapping[str, FieldSpec], half_life_s: float
+) -> tuple[tuple[Episode, ...], tuple[Episode, ...]]:
+    """The like cases and the last ones, where what is both stays only where it weighs more: one outcome speaks once."""
+    late = {episode.event: recency(event, episode, half_life_s) for episode in last if episode.kind == event.kind}
+    as_like = {episode.event for episode in like if worth(event, episode, specs) > late.get(episode.event, 0.0)}
+    return (
+        tuple(episode for episode in like if episode.event in as_like or episode.event not in late),
+        tuple(episode for episode in last if episode.event not in as_like),
     )
 
 

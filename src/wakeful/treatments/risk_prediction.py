@@ -21,6 +21,7 @@ from wakeful.treatments.forecasting import (
     forecast_reasons,
     lately_voice,
     model_voice,
+    once,
     pooled,
     recalled_voice,
 )
@@ -118,9 +119,11 @@ async def assess_risk(event: Event, mind: Mind, settings: RiskSettings) -> RiskP
         if hazard.name in open_now and len(shows_as(hazard, mind.domain)) == 1
     }
     judged = await _judgement(event, mind, past)
+    half_life_s = settings.lately_windows * mind.domain.outcome.within_s
+    like, late = once(event, past, last, mind.domain.fields, half_life_s)
     voices = [
-        recalled_voice(mind, event, past),
-        lately_voice(mind, event, last, settings.lately_windows * mind.domain.outcome.within_s),
+        recalled_voice(mind, event, like),
+        lately_voice(mind, event, late, half_life_s),
         model_voice(mind.domain, "hazard table", told),
         _reasoned(mind, judged, settings),
     ]
