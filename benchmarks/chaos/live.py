@@ -8,22 +8,25 @@ acknowledged is then a second event, so such a run is compared with itself, not 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from random import Random
+from typing import TypeVar
 
 from benchmarks.chaos.episode import AFTERWARDS_S, MOST_TURNS, TURN_S, Report, _Episode, _policy
 from benchmarks.chaos.ledger import Witness
 from benchmarks.chaos.plan import End, Plan
 from benchmarks.chaos.script import START_NS
 from wakeful.contracts.bridge import Item
+from wakeful.contracts.journal import JournalStalled
 from wakeful.contracts.reasoner import Reasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import LiveDriver
 from wakeful.drivers.receipts import Receipt
 from wakeful.facts.asking import Question, Reply
 from wakeful.facts.events import Draft, Undecodable
+from wakeful.facts.evidence import Evidence, Outcome
 from wakeful.facts.inputs import Act
 from wakeful.facts.lines import Admitted
 from wakeful.facts.settings import MindSettings
@@ -31,6 +34,8 @@ from wakeful.facts.time import to_ns
 from wakeful.testing.crash_points import Crashed, crashing
 from wakeful.testing.faulty_disk import FaultyDisk
 from wakeful.testing.virtual_loop import Beside, VirtualLoop
+
+T = TypeVar("T")
 
 #: A commit takes up to so long, so that the kernel is some groups ahead of the journal.
 COMMIT_S = 0.02
@@ -142,7 +147,7 @@ class _LiveEpisode(_Episode):
                 offering.append(asyncio.create_task(self._offer(mind, left)))
             for each in positions:
                 for act in self.script.acts.get(each, ()):
-                    offering.append(asyncio.create_task(mind.tell(act)))
+                    offering.append(asyncio.create_task(self._tell(mind, act)))
         await asyncio.gather(*offering)
 
     async def _offer(self, mind: LiveDriver, positions: list[int]) -> None:
@@ -151,10 +156,23 @@ class _LiveEpisode(_Episode):
         if len(told) == 1 and isinstance(told[0], Draft):
             self._hold_to([await mind.admit(told[0], patience_s=0.1)])
         elif len(told) == 1:
-            await mind.tell(told[0])  # type: ignore[arg-type]
+            await self._tell(mind, told[0])  # type: ignore[arg-type]
         elif told:
-            self._hold_to(await mind.take_many(told))  # type: ignore[arg-type]
+            self._hold_to(await self._patient(mind, lambda: mind.take_many(told)))  # type: ignore[arg-type]
         self._answered.update(positions)
+
+    async def _tell(self, mind: LiveDriver, later: Evidence | Outcome | Act) -> None:
+        await self._patient(mind, lambda: mind.tell(later))
+
+    async def _patient(self, mind: LiveDriver, hand_over: Callable[[], Awaitable[T]]) -> T:
+        """Hand it over again until something can be written."""
+        while True:
+            try:
+                return await hand_over()
+            except JournalStalled:
+                if mind._pump.error is not None:
+                    raise
+                await asyncio.sleep(MENDED_AFTER_S)
 
     def _hold_to(self, receipts: list[Receipt]) -> None:
         """What was acknowledged as admitted must be in the journal by now."""

@@ -5,22 +5,26 @@ from __future__ import annotations
 import asyncio
 import logging
 import stat
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
 
 from tests.drivers.test_live import box
-from wakeful.contracts.journal import JournalError
+from wakeful.contracts.journal import JournalError, JournalStalled
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import LiveDriver
 from wakeful.drivers.stalled import Broken, Stall, StallMark
 from wakeful.facts.asking import Question, Reply
-from wakeful.facts.events import Undecodable
+from wakeful.facts.events import Observation, Undecodable
+from wakeful.facts.evidence import Outcome
 from wakeful.facts.inputs import Mark
 from wakeful.facts.lines import GAP, Admitted, Asked, Noted, Refused
+from wakeful.facts.overload import OverloadSettings
+from wakeful.facts.packs import Entry
 from wakeful.facts.settings import MindSettings
-from wakeful.journal import SqliteJournal, open_journal
+from wakeful.journal import MemoryJournal, SqliteJournal, open_journal
 from wakeful.journal.audit import audit
 from wakeful.testing.faulty_disk import FaultyDisk
 
@@ -33,6 +37,15 @@ class Counting(GuidelineReasoner):
     async def answer(self, question: Question) -> Reply:
         self.made += 1
         return await super().answer(question)
+
+
+class FullDisk(MemoryJournal):
+    """Cannot be written once there is an event to write."""
+
+    def commit(self, lines: Sequence[Entry], state: Mapping[str, bytes | None], blobs: Mapping[str, bytes]) -> None:
+        if lines:
+            raise JournalStalled("the disk is full")
+        super().commit(lines, state, blobs)
 
 
 def live(journal: SqliteJournal, reasoner: Counting | None = None, mark: StallMark | None = None) -> LiveDriver:
@@ -110,6 +123,77 @@ def test_a_mind_that_is_closed_meanwhile_fails_what_waits_and_has_written_nothin
     with open_journal(path) as journal:
         admitted = [line.record.event.entity for line in journal.lines() if isinstance(line.record, Admitted)]
     assert admitted == ["kept"]
+
+
+def test_while_nothing_can_be_written_batches_are_refused_and_counted_and_what_has_no_receipt_stays_with_its_owner(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "mind.db"
+    seen = Outcome(id="o", topic="outcome", entity="held", label="none", at_ns=1_700_000_001_000_000_000)
+
+    async def main(disk: FaultyDisk, journal: SqliteJournal) -> None:
+        async with live(journal) as mind, asyncio.timeout(20.0):
+            await mind.admit(box("kept"))
+            disk.fail("broken")
+            waiting = asyncio.create_task(mind.admit(box("held")))
+            while not mind._stall.active:
+                await asyncio.sleep(0)
+            receipts = await mind.admit_many([box("many-1"), box("many-2")])
+            receipts += await mind.take_many([box("many-3")])
+            assert [receipt.status for receipt in receipts] == ["refused"] * 3
+            assert all("cannot be written" in receipt.reason for receipt in receipts)
+            with pytest.raises(JournalStalled, match="nothing of this was taken"):
+                await mind.take_many([box("with it"), seen])
+            with pytest.raises(JournalStalled):
+                await mind.tell(seen)
+            with pytest.raises(JournalStalled):
+                await mind.observe(Observation(topic="t", source="", position=0, at_ns=1, values={}))
+            assert not mind._pump.waiting
+            disk.mend()
+            assert (await waiting).status == "admitted"
+            await mind.take_many([box("with it"), seen])
+            position = mind._position
+        state = mind.kernel.source("live")
+        assert state is not None
+        assert state.cursor == position
+
+    with FaultyDisk() as disk, open_journal(path, vfs=disk.name) as journal:
+        asyncio.run(main(disk, journal))
+        report = audit(journal)
+        records = [line.record for line in journal.lines()]
+    assert report.ok, report.first_offender
+    assert {record.event.entity for record in records if isinstance(record, Admitted)} == {"kept", "held", "with it"}
+    assert sum(isinstance(record, Refused) for record in records) == 3
+
+
+def test_whoever_waits_for_room_when_writing_fails_is_refused_and_not_held() -> None:
+    async def main() -> list[str]:
+        kernel, learner = assemble("service_robot", MindSettings(step_s=0.0, overload=OverloadSettings(refuse_backlog=1)))
+        async with LiveDriver(kernel, FullDisk(), Counting(kernel.domain.spec), learner, retry_s=0.01) as mind:
+            held = asyncio.create_task(mind.admit(box("held")))
+            offered = [asyncio.create_task(mind.admit(box(f"box {number}"))) for number in range(3)]
+            async with asyncio.timeout(20.0):
+                receipts = await asyncio.gather(*offered)
+        with pytest.raises(JournalStalled):
+            await held
+        return [receipt.status for receipt in receipts]
+
+    assert asyncio.run(main()) == ["refused"] * 3
+
+
+def test_more_than_can_be_held_to_be_recorded_stays_with_its_owner(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("wakeful.drivers.stalled.HELD_REFUSALS", 2)
+    stall = Stall("live", lambda: 0, None)
+    stall.begin("full")
+    assert stall.has_room(2)
+    stall.refuse(1, "object")
+    assert not stall.has_room(2)
+    with pytest.raises(JournalStalled, match="full; nothing of this was taken"):
+        stall.turn_away(2)
+    assert len(stall.over()) == 2
+    assert "1 offers were refused, 2 turned away" in caplog.text
 
 
 def test_a_crash_while_nothing_could_be_written_is_told_as_a_gap(tmp_path: Path) -> None:

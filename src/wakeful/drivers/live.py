@@ -122,7 +122,7 @@ class LiveDriver:
         self._calls = Calls(self._reasoner, self._crash_mark, self._now_ns, self._pump.hear)
         self._listeners = Listeners(self._calls)
         self._writer = Writer(
-            self.journal, self._commits, self._stall, self._retry_s, self._settle, self._pump.resume, self._pump.wake
+            self.journal, self._commits, self._stall, self._retry_s, self._settle, self._pump.resume, self._moved
         )
         recovered = kernel.recover(self.journal.entries(), self.journal.state(), JournalBlobs(self.journal))
         self._start_ns = max(self._clock_ns(), kernel.now_ns) - self._monotonic_ns()
@@ -171,28 +171,38 @@ class LiveDriver:
 
         Raises:
             JournalError: it could not be written; it is not admitted.
+            JournalStalled: nor can it be for now, and more were refused meanwhile than can be held to be recorded.
         """
-        await self._room.enter(draft.criticality >= CRITICAL, patience_s)
+        await self._enter(draft.criticality >= CRITICAL, patience_s)
+        if self._stalled:
+            return self._refuse((draft,))[0]
         self._position += 1
-        if self._stall.active:
-            return Receipt("refused", reason=self._stall.refuse(self._position, draft.kind))
         placed = msgspec.structs.replace(draft, source=self._source, position=self._position)
         return await self._pump.put(placed, Mark(source=self._source, position=self._position))
 
     async def admit_many(self, drafts: Sequence[Draft], patience_s: float | None = None) -> list[Receipt]:
-        """Offer many events at once; returns once what became of each is durable. Costs a fraction of what they do one by one."""
+        """Offer many events at once; returns once what became of each is durable. Costs a fraction of what they do one by one.
+
+        Raises as ``admit``; then nothing of it was taken.
+        """
         if not drafts:
             return []
-        await self._room.enter(any(draft.criticality >= CRITICAL for draft in drafts), patience_s)
+        await self._enter(any(draft.criticality >= CRITICAL for draft in drafts), patience_s)
         return await self.take_many(drafts)
 
     async def take_many(self, inputs: Sequence[Draft | Evidence | Outcome]) -> list[Receipt]:
         """Hand over events, evidence and outcomes in the order of their coming, without waiting for room; returns once all of
-        it is durable, with a receipt for each event.
+        it is durable, with a receipt for each event. While nothing can be written events alone are refused, as ``admit`` does.
 
         Raises:
             JournalError: it could not be written; nothing of it was taken.
+            JournalStalled: the same for now: there is evidence or an outcome in it, which is nobody's to refuse.
         """
+        if self._stalled:
+            drafts = [each for each in inputs if isinstance(each, Draft)]
+            if len(drafts) < len(inputs):
+                self._stall.turn_away(len(inputs))
+            return self._refuse(drafts)
         first = position = self._position + 1
         placed: list[Input] = []
         for each in inputs:
@@ -207,19 +217,57 @@ class LiveDriver:
         return await future
 
     async def observe(self, observation: Observation) -> None:
-        """Hand over an observation; returns once what it led to is durable. Registration decides whether it is an event."""
-        await self._room.enter(False, None)
+        """Hand over an observation; returns once what it led to is durable. Registration decides whether it is an event.
+
+        Raises:
+            JournalError: it could not be written. JournalStalled: nor can it be for now; it was not taken.
+        """
+        await self._enter(False, None)
+        if self._stalled:
+            self._stall.turn_away(1)
         self._position += 1
         placed = msgspec.structs.replace(observation, source=self._source, position=self._position)
         await self._pump.put(placed, Mark(source=self._source, position=self._position))
 
     async def tell(self, later: Evidence | Outcome | Act) -> None:
-        """Hand over evidence, an outcome, or an operator's act; returns once it is durable."""
+        """Hand over evidence, an outcome, or an operator's act; returns once it is durable. None waits for room: it frees others.
+
+        Raises:
+            JournalError: it could not be written. JournalStalled: nor can it be for now; it was not taken.
+        """
+        if self._stalled:
+            self._stall.turn_away(1)
         await self._pump.put(later)
 
     async def concluded(self, event: str) -> Concluded:
         """Wait for the next conclusion on an event."""
         return await self._listeners.concluded(event)
+
+    @property
+    def _stalled(self) -> bool:
+        """Whether what is offered now is refused until the journal can be written; a mind that ends takes nothing at all."""
+        return self._stall.active and not self._pump.closing and self._pump.error is None
+
+    async def _enter(self, critical: bool, patience_s: float | None) -> None:
+        """Wait for room, unless nothing is taken anyway."""
+        if not self._stalled:
+            await self._room.enter(critical, patience_s)
+
+    def _refuse(self, drafts: Sequence[Draft]) -> list[Receipt]:
+        """Nothing can be written: each of them is counted, and has a position, under which that is recorded later."""
+        if not self._stall.has_room(len(drafts)):
+            self._stall.turn_away(len(drafts))
+        receipts: list[Receipt] = []
+        for draft in drafts:
+            self._position += 1
+            receipts.append(Receipt("refused", reason=self._stall.refuse(self._position, draft.kind)))
+        return receipts
+
+    def _moved(self) -> None:
+        """A commit has ended, well or not."""
+        if self._stall.active:
+            self._room.dismiss()
+        self._pump.wake()
 
     def _tell_of_stall(self) -> None:
         """The run before ended while nothing could be written: what it refused by then was never recorded."""

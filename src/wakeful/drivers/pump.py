@@ -114,9 +114,10 @@ class Pump:
         self.wake()
 
     def resume(self, refused: Sequence[Input]) -> None:
-        """What was refused while nothing could be written is recorded before anything else is heard."""
+        """What was refused while nothing could be written is recorded before anything else is offered: after what had been
+        offered before it, so that the source's positions go on."""
         if refused:
-            self._offered.inputs[:0] = refused
+            self._offered.inputs.extend(refused)
             self._since_s = self._loop.time() - self._group_s
 
     def wake(self) -> None:

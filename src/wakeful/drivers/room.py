@@ -64,6 +64,15 @@ class Room:
                     self._entering += 1
                     load += 1
 
+    def dismiss(self) -> None:
+        """Nothing is taken for now: whoever waits goes on, and hears so from whom he offers it to."""
+        for queue in (self._critical, self._waiting):
+            while queue:
+                turn = queue.popleft()
+                if not turn.done():
+                    turn.set_result(None)
+                    self._entering += 1
+
     def close(self, error: Exception) -> None:
         """Nobody is let in any more."""
         for queue in (self._critical, self._waiting):

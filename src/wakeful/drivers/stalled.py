@@ -6,9 +6,11 @@ import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 import msgspec
 
+from wakeful.contracts.journal import JournalStalled
 from wakeful.facts.events import Undecodable
 from wakeful.facts.inputs import Mark
 
@@ -19,6 +21,9 @@ RETRY_S = 1.0
 
 #: So many entries wait in memory at most for the journal to take them; then treatments stand still too.
 HELD_ENTRIES = 10_000
+
+#: So many refusals wait in memory at most to be recorded; whoever offers more keeps what he has.
+HELD_REFUSALS = 10_000
 
 _MARK_BYTES = 64
 
@@ -73,8 +78,9 @@ class Stall:
         self._clock_ns = clock_ns
         self._mark = mark
         self._since_ns: int | None = None
-        self._why = ""
+        self._reason = ""
         self._refused: list[Undecodable | Mark] = []
+        self._turned_away = 0
 
     @property
     def active(self) -> bool:
@@ -85,25 +91,42 @@ class Stall:
         """Writing failed. Said once, however often it fails."""
         if self._since_ns is not None:
             return
-        self._since_ns, self._why = self._clock_ns(), why
+        self._since_ns, self._reason = self._clock_ns(), f"the journal cannot be written: {why}"
         self._marked()
         _LOG.error("%s; treatments work on, but nothing is called, acknowledged or admitted until it can be written again", why)
 
     def refuse(self, position: int, kind: str) -> str:
         """An event was offered meanwhile. Returns the reason for which it is refused; it is recorded once that can be."""
-        reason = f"the journal cannot be written: {self._why}"
-        self._refused.append(Undecodable(source=self._source, position=position, reason=reason, excerpt=kind[:80]))
+        self._refused.append(Undecodable(source=self._source, position=position, reason=self._reason, excerpt=kind[:80]))
         self._refused.append(Mark(source=self._source, position=position))
         self._marked()
-        return reason
+        return self._reason
+
+    def turn_away(self, count: int) -> NoReturn:
+        """So much was offered meanwhile that has no receipt, or for whose refusals there is no room: its owner keeps it.
+
+        Raises:
+            JournalStalled: always.
+        """
+        self._turned_away += count
+        raise JournalStalled(f"{self._reason}; nothing of this was taken, hand it over again later")
+
+    def has_room(self, count: int) -> bool:
+        """Whether so many refusals more may wait to be recorded."""
+        return len(self._refused) // 2 + count <= HELD_REFUSALS
 
     def over(self) -> list[Undecodable | Mark]:
         """It was written. Returns what is to be fed: the refusals of the meantime, which are to be recorded now."""
         if self._since_ns is None:
             return []
         seconds = (self._clock_ns() - self._since_ns) / 1e9
-        _LOG.warning("the journal is written again, after %.0f s; %d offers were refused", seconds, len(self._refused) // 2)
-        refused, self._refused, self._since_ns = self._refused, [], None
+        _LOG.warning(
+            "the journal is written again, after %.0f s; %d offers were refused, %d turned away without a record",
+            seconds,
+            len(self._refused) // 2,
+            self._turned_away,
+        )
+        refused, self._refused, self._since_ns, self._turned_away = self._refused, [], None, 0
         self._marked()
         return refused
 
