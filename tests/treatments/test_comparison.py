@@ -81,3 +81,10 @@ def test_confidence_grows_with_what_it_is_compared_with() -> None:
         < compared(*PAST, load=0.3).confidence
         < compared(*PAST, *PEERS, load=0.3).confidence
     )
+
+
+def test_where_nothing_is_unusual_it_says_in_what_another_event_might_be() -> None:
+    peers = [msgspec.structs.replace(each, event=f"p{each.event}", entity="J5") for each in PAST]
+    assert compared(*PAST, *peers, load=0.31, state="normal").would_change == ("an event of J3 that is unusual in its load",)
+    words = [msgspec.structs.replace(each, fields={"state": "normal"}) for each in (*PAST, *peers)]
+    assert compared(*words, state="normal").would_change == ("an event of J3 that is unusual in its attributes",)

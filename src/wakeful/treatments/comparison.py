@@ -14,7 +14,7 @@ from wakeful.treatments.change import change_point, cliffs_delta, robust_z
 from wakeful.treatments.consulting import consult
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.forecasting import expectation, forecast_reasons, pooled, recalled_voice
-from wakeful.treatments.measures import measured, number, numbers, plain, significant
+from wakeful.treatments.measures import measured, number, plain, significant
 from wakeful.treatments.remembering import age_s, of_entity, of_kind, resting, typical
 from wakeful.treatments.sureness import NOTHING_TO_GO_ON, sentence, sure
 from wakeful.treatments.wording import bare, brief, counted, span, subject, valued
@@ -226,6 +226,5 @@ def _would_change(event: Event, rows: Sequence[Row], own: int, peers: int) -> tu
     back = tuple(f"{bare(field)} of {name} near {valued(field, value)}" for field, value in usual if value is not None)[:2]
     few = (f"more events of {name} (now {own})",) if own < 6 else ()
     alone = (f"{event.kind.replace('_', ' ')} events of peers (now {peers})",) if peers < 6 else ()
-    return (*back, *few, *alone) or (
-        f"{', '.join(bare(n) for n in list(numbers(event.fields))[:2]) or 'a value'} out of the usual",
-    )
+    sized = [bare(row.name) for row in rows if number(event.fields[row.name]) is not None][:2]
+    return (*back, *few, *alone) or (f"an event of {name} that is unusual in its {' or '.join(sized) or 'attributes'}",)
