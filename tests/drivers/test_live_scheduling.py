@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -20,11 +21,12 @@ from wakeful.facts.asking import Question, Reply
 from wakeful.facts.domain import Guideline
 from wakeful.facts.events import Draft, Event
 from wakeful.facts.inputs import Act
-from wakeful.facts.lines import Asked, Concluded, Moved
+from wakeful.facts.lines import Acted, Asked, Concluded, Moved
 from wakeful.facts.processes import Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
 from wakeful.journal import MemoryJournal
+from wakeful.journal.acts import ActSpool
 from wakeful.scheduling import SuspendResume
 from wakeful.treatments.decorator import treatment
 from wakeful.treatments.registry import Registry
@@ -165,6 +167,35 @@ def test_a_cancelled_process_gives_up_its_call_and_the_next_is_asked() -> None:
 
     asyncio.run(main())
     assert reasoner.most <= 2
+
+
+def test_an_operators_act_is_heard_while_quick_treatments_are_being_caught_up_with(tmp_path: Path) -> None:
+    stop = asyncio.Event()
+
+    @treatment(says="Thinks until it is told to stop.")
+    async def endless(event: Event, mind: Mind) -> Long:
+        while not stop.is_set():
+            await mind.work(1)
+        return Long(says="done", confidence=1.0, rests_on=(event.id,))
+
+    journal = MemoryJournal()
+    spool = ActSpool(tmp_path / "mind.db")
+
+    async def main() -> None:
+        domain = OneWay(endless.name)
+        kernel, learner = assemble(domain, MindSettings(step_s=0.0), registry=Registry(own=[endless], installed=()))
+        reasoner = GuidelineReasoner(domain.spec)
+        async with LiveDriver(kernel, journal, reasoner, learner, acts=spool, clock_s=lambda: 0.0) as mind:
+            try:
+                await mind.admit(box("a"))
+                act = spool.put(Act(who="ana", act="cancel", process=1, why="false alarm"))
+                async with asyncio.timeout(5.0):
+                    await until(lambda: records(journal, Acted))
+                assert records(journal, Acted)[0].id == act.id
+            finally:
+                stop.set()
+
+    asyncio.run(main())
 
 
 def test_when_the_kernel_fails_nobody_waits_for_ever() -> None:

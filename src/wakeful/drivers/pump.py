@@ -159,7 +159,7 @@ class Pump:
                 await self._work_on(writer)
             elif writer.full:
                 await self._come(None)
-            elif (self._ripe() or self._acts_due() or self._trainer.ended) and not self._catching_up():
+            elif self._acts_due() or self._trainer.ended or (self._ripe() and not self._catching_up()):
                 await self._take(writer)
             elif self._due():
                 self._put(writer, self._turns.feed((), self._now_ns()))
