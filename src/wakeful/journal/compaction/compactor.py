@@ -258,10 +258,11 @@ class Compactor:
         """What the rows between two positions are about; so many at a time that only a few of them have to be read."""
         query = (
             "SELECT id, last, at_ns, admitted, duplicate, refused, gained, process, experience, keys FROM about "
-            f"WHERE id > ? AND last <= ? AND {PRESENT} ORDER BY id LIMIT ?"
+            f"WHERE id > ? AND id < ? AND last <= ? AND {PRESENT} ORDER BY id LIMIT ?"
         )
-        id_ = begin * VERSIONS + VERSIONS - 1
-        while rows := list(self._query(query, id_, boundary, _ROWS_PER_STEP)):
+        # Not by their last positions alone: then all younger rows would be looked through for more.
+        id_, beyond = begin * VERSIONS + VERSIONS - 1, (boundary + 1) * VERSIONS
+        while rows := list(self._query(query, id_, beyond, boundary, _ROWS_PER_STEP)):
             olds: list[_Old] = []
             read = 0
             for row in rows:
