@@ -45,7 +45,7 @@ class Recovered(msgspec.Struct):
 
 def measure(folder: Path, events: int, open_one_in: int, retention: Retention) -> Recovered:
     """Write a journal of so many events, compact it, and recover from it."""
-    stream = Stream(days=1.0, events=events, seed=0, open_one_in=open_one_in, model_one_in=events + 1)
+    stream = Stream(days=1.0, events=events, seed=0, open_one_in=open_one_in, model_one_in=10 * events)
     path = folder / f"{events}-{retention.events}.db"
     with open_journal(path, full_sync=False, retention=retention) as journal:
         journal.commit(stream.begin(), {}, {})
