@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import msgspec
@@ -16,7 +17,10 @@ from wakeful.contracts.treatment import Mind, Refusal
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.domains import load
 from wakeful.drivers.assembly import assemble
+from wakeful.drivers.inline import open_live
 from wakeful.drivers.live import LiveDriver
+from wakeful.drivers.poison import CrashMark
+from wakeful.drivers.stalled import Broken, StallMark
 from wakeful.facts.asking import Question, Reply
 from wakeful.facts.domain import Guideline
 from wakeful.facts.events import Draft, Event
@@ -25,7 +29,7 @@ from wakeful.facts.lines import Acted, Asked, Concluded, Moved
 from wakeful.facts.processes import Trigger
 from wakeful.facts.results import Result
 from wakeful.facts.settings import MindSettings
-from wakeful.journal import MemoryJournal
+from wakeful.journal import MemoryJournal, open_journal
 from wakeful.journal.acts import ActSpool
 from wakeful.scheduling import SuspendResume
 from wakeful.treatments.decorator import treatment
@@ -214,3 +218,61 @@ def test_when_the_kernel_fails_nobody_waits_for_ever() -> None:
 
     with pytest.raises(DomainError, match="names detector"):
         asyncio.run(main())
+
+
+def test_a_defect_leaves_nothing_held_and_another_mind_goes_on_with_the_journal(tmp_path: Path) -> None:
+    path = tmp_path / "mind.db"
+    let_go: list[str] = []
+
+    class Given(ThreadPoolExecutor):
+        def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+            let_go.append("an executor")
+            super().shutdown(wait, cancel_futures=cancel_futures)
+
+    async def used(mind: LiveDriver) -> None:
+        async with mind:
+            with pytest.raises(JournalError, match="the mind has stopped"):
+                await mind.admit(box("lost"))
+
+    async def main() -> None:
+        domain = OneWay(asking.name)
+        kernel, learner = assemble(domain, MindSettings(step_s=0.0), registry=Registry(own=[asking], installed=()))
+        reasoner = GuidelineReasoner(domain.spec)
+        domain.spec = msgspec.structs.replace(domain.spec, detect=load("service_robot").spec.detect)
+        mark = CrashMark(path)
+        mind = LiveDriver(
+            kernel,
+            open_journal(path),
+            reasoner,
+            learner,
+            closes_journal=True,
+            crash_mark=mark,
+            commits=Given(1),
+            trainings=Given(1),
+        )
+        with pytest.raises(DomainError, match="names detector"):
+            await used(mind)
+        assert not mind._calls
+        with pytest.raises(ValueError, match="closed"):
+            mark.page[0] = 1
+
+    asyncio.run(main())
+    assert let_go == ["an executor"] * 2
+    open_journal(path).close()
+
+
+def test_a_recovery_that_fails_lets_go_of_the_journal(tmp_path: Path) -> None:
+    path = tmp_path / "mind.db"
+
+    async def main() -> None:
+        before = StallMark(path)
+        before.write(Broken(77, 1))
+        mind = open_live("service_robot", path)
+        mind.kernel.recover = None  # type: ignore[method-assign, assignment]
+        with pytest.raises(TypeError):
+            async with mind:
+                pass
+
+    asyncio.run(main())
+    open_journal(path).close()
+    assert StallMark(path).before == Broken(77, 1)  # nobody was told of it yet

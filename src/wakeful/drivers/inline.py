@@ -219,9 +219,12 @@ def open_live(
     kept: Journal = MemoryJournal() if journal is None else open_journal(Path(journal))
     thinks = reasoner if reasoner is not None else GuidelineReasoner(kernel.domain.spec)
     acts = None if journal is None else ActSpool(Path(journal))
-    mark = None if journal is None else CrashMark(Path(journal))
-    heart = Heart.from_environment()
-    stall_mark = None if journal is None else StallMark(Path(journal))
+    try:
+        mark = None if journal is None else CrashMark(Path(journal))
+        stall_mark = None if journal is None else StallMark(Path(journal))
+    except BaseException:
+        kept.close()  # the journal stays nobody's
+        raise
     return LiveDriver(
         kernel,
         kept,
@@ -230,6 +233,6 @@ def open_live(
         acts=acts,
         closes_journal=True,
         crash_mark=mark,
-        heart=heart,
+        heart=Heart.from_environment(),
         stall_mark=stall_mark,
     )

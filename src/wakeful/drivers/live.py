@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
@@ -110,16 +111,41 @@ class LiveDriver:
         self._heart = heart if heart is not None else Heart()
         self._room = Room(kernel.settings.overload, lambda: self._pump.waiting // 2 + kernel.backlog)
         self._commits = commits if commits is not None else ThreadPoolExecutor(1, thread_name_prefix="wakeful-journal")
+        self._held = AsyncExitStack()
+        self._why = ""
         self._position = -1
 
     async def __aenter__(self) -> LiveDriver:
+        """Recover, and begin. Where that fails everything is let go of, as on exit."""
+        self._to_release()
+        try:
+            await self._begin()
+        except BaseException:
+            if self._stall_mark is not None:
+                self._stall_mark.write(self._stall_mark.before)  # still to be told of
+            await self._held.aclose()
+            raise
+        return self
+
+    def _to_release(self) -> None:
+        """What is let go of in the end, whatever became of the mind and of what was let go of before; the last first."""
+        if self._closes_journal:
+            self._held.callback(self.journal.close)
+        self._held.callback(lambda: self._heart.stop(self._why))
+        self._held.callback(self._commits.shutdown)
+        self._held.callback(self._trainer.close)
+
+    async def _begin(self) -> None:
         kernel = self.kernel
         careful = CAREFUL_INPUTS if take_up(self._crash_mark, self.journal) is not None else 0
+        if self._crash_mark is not None:
+            self._held.callback(self._crash_mark.close)  # not before: what it says is recorded only now
         turns = Turns(kernel, bytearray(MARKED) if self._crash_mark is None else self._crash_mark.page, self._clock_s)
         self._pump = Pump(
             kernel, turns, self._trainer, self._stall, self._heart, self._acts, self._now_ns, self._group_s, careful
         )
         self._calls = Calls(self._reasoner, self._crash_mark, self._now_ns, self._pump.hear)
+        self._held.push_async_callback(self._calls.close)
         self._listeners = Listeners(self._calls)
         self._writer = Writer(
             self.journal, self._commits, self._stall, self._retry_s, self._settle, self._pump.resume, self._moved
@@ -136,25 +162,19 @@ class LiveDriver:
             garbage.settle()
         self._pump.hear(Begin(source=self._source, digest=digest))
         self._tell_of_stall()
+        self._held.callback(self._stall.close)
         self._act(recovered)
-        self._pumping = asyncio.create_task(self._run())
         self._heart.ready(self._says)  # before any call runs: one that holds the interpreter is a stall that must be seen
-        return self
+        self._pumping = asyncio.create_task(self._run())
 
     async def __aexit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._pump.closing = self._writer.closing = True
         self._room.close(JournalError("the mind is closing; nothing more is taken"))
         self._pump.wake()
-        await self._pumping
-        await self._calls.close()
-        self._trainer.close()
-        self._commits.shutdown()
-        if self._crash_mark is not None:
-            self._crash_mark.close()
-        self._stall.close()
-        self._heart.stop(str(self._pump.error or ""))
-        if self._closes_journal:
-            self.journal.close()
+        try:
+            await self._pumping
+        finally:  # a defect too leaves nothing held: another mind may go on with the journal
+            await self._held.aclose()
 
     @property
     def busy(self) -> bool:
@@ -302,6 +322,7 @@ class LiveDriver:
             raise failed  # a defect: whoever leaves the mind's context hears of it whole
 
     def _stop(self, error: JournalError) -> None:
+        self._why = str(error)
         self._room.close(error)
         self._pump.fail(error)
         self._writer.fail(error)
