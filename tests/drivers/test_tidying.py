@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from pathlib import Path
 
 import pytest
 
+from tests.drivers.test_live import box, live
 from wakeful import Mind
 from wakeful.contracts.journal import JournalError
 from wakeful.drivers.tidying import Tidying
@@ -34,6 +36,31 @@ def test_what_cannot_be_tidied_is_said_once_and_left(caplog: pytest.LogCaptureFi
         assert [tidying.turn() for _ in range(5)] == [False] * 5
     assert journal.tried == 1
     assert caplog.messages == ["mind.db is damaged: line 7; it grows until the next start"]
+
+
+def test_a_defect_of_the_housekeeping_is_said_once_with_its_traceback_and_a_live_mind_goes_on(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class Defect(MemoryJournal):
+        tried = 0
+
+        def tidy(self, least_events: int = 0) -> bool:
+            self.tried += 1
+            raise ZeroDivisionError("a defect")
+
+    journal = Defect()
+
+    async def main() -> list[str]:
+        async with live(journal) as mind:
+            return [(await mind.admit(box(f"box {number}"))).status for number in range(3)]
+
+    with caplog.at_level(logging.ERROR, "wakeful.journal"):
+        assert asyncio.run(main()) == ["admitted"] * 3
+    assert journal.tried == 1
+    (said,) = caplog.records
+    assert "has a defect" in said.message
+    assert said.exc_info is not None
+    assert said.exc_info[0] is ZeroDivisionError
 
 
 def test_a_mind_gives_up_what_is_old_while_it_thinks_and_goes_on_after_it(

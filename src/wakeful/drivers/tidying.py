@@ -13,7 +13,8 @@ class Tidying:
     """Does a little of what the journal's housekeeping has to do, when it is told to.
 
     Where that fails (a damaged row, a full disk), it is said once, in the log, and nothing more is tried until the next start:
-    a journal that grows is no reason for a mind to stop.
+    a journal that grows is no reason for a mind to stop. A defect of the housekeeping is raised by ``turn``, and said with its
+    traceback by ``turn_beside`` where nobody would hear of it.
 
     Args:
         journal: the driver's own, in the thread that commits to it.
@@ -33,3 +34,12 @@ class Tidying:
             self._given_up = True
             _LOG.warning("%s; it grows until the next start", error)
             return False
+
+    def turn_beside(self) -> None:
+        """The same beside the mind, in a thread that nobody looks at. What a step of it had begun was rolled back: the journal
+        is whole, and to go on with it loses nothing, while to stop would lose what comes."""
+        try:
+            self.turn()
+        except Exception:  # whatever it is, it is said here or nowhere
+            self._given_up = True
+            _LOG.exception("the journal's housekeeping has a defect; nothing was lost, the journal grows until the next start")

@@ -126,7 +126,7 @@ class Writer:
             state.clear()
         self._loop.call_soon_threadsafe(self._committed, error)
         if error is None:
-            self._tidying.turn()
+            self._tidying.turn_beside()
 
     def _committed(self, error: BaseException | None) -> None:
         taken, self._under_way = self._under_way, []
