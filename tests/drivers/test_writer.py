@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import Coroutine, Mapping, Sequence
 
 import msgspec
@@ -13,6 +14,8 @@ from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.domains import load
 from wakeful.drivers.assembly import assemble
 from wakeful.drivers.live import LiveDriver
+from wakeful.drivers.pump import LONGEST_COMMIT_S
+from wakeful.drivers.sd_notify import Heart
 from wakeful.facts.domain import Guideline
 from wakeful.facts.events import Event
 from wakeful.facts.lines import Admitted, Answered
@@ -61,7 +64,29 @@ class OneWay:
         return None
 
 
-def live(loop: VirtualLoop, journal: MemoryJournal, commit_s: float, registry: Registry | None = None) -> LiveDriver:
+class Listened(Heart):
+    """Notes when the pump has got on, for a supervisor who would act after three seconds of silence."""
+
+    def __init__(self, loop: VirtualLoop) -> None:
+        super().__init__()
+        self._loop = loop
+        self.at_s: list[float] = []
+
+    @property
+    def every_s(self) -> float | None:
+        return 1.0
+
+    def beat(self) -> None:
+        super().beat()
+        self.at_s.append(self._loop.time())
+
+    def longest_s(self, until_s: float) -> float:
+        return max(after - before for before, after in itertools.pairwise([*self.at_s, until_s]))
+
+
+def live(
+    loop: VirtualLoop, journal: MemoryJournal, commit_s: float, registry: Registry | None = None, heart: Heart | None = None
+) -> LiveDriver:
     domain = "service_robot" if registry is None else OneWay()
     kernel, learner = assemble(domain, MindSettings(step_s=0.0, trains=False), registry=registry)
     return LiveDriver(
@@ -74,6 +99,7 @@ def live(loop: VirtualLoop, journal: MemoryJournal, commit_s: float, registry: R
         clock_s=loop.time,
         commits=Beside(loop, lambda: commit_s),
         group_s=0.002,
+        heart=heart,
     )
 
 
@@ -107,6 +133,37 @@ def test_what_comes_during_a_commit_is_fed_meanwhile_and_committed_together_afte
     played(loop, story())
     assert journal.commits == [1, 4]
     assert told == [("admitted", 1.0)] + [("admitted", 2.0)] * 4
+
+
+def test_on_a_slow_disk_the_heart_beats_while_the_writer_is_full_and_while_it_is_drained() -> None:
+    loop = VirtualLoop()
+    heart = Listened(loop)
+    full: list[bool] = []
+
+    async def story() -> None:
+        async with live(loop, Noting(), commit_s=30.0, heart=heart) as mind:
+            offering = []
+            for number in range(40):
+                offering.append(asyncio.create_task(mind.admit(box(f"box {number}"))))
+                await asyncio.sleep(0.01)
+            full.append(mind._writer.full)
+        await asyncio.gather(*offering, return_exceptions=True)
+
+    played(loop, story())
+    assert full == [True]
+    assert heart.longest_s(loop.time()) <= 1.0
+
+
+def test_a_commit_that_hangs_is_not_covered_for() -> None:
+    loop = VirtualLoop()
+    heart = Listened(loop)
+
+    async def story() -> None:
+        async with live(loop, Noting(), commit_s=1000.0, heart=heart) as mind:
+            await mind.admit(box("box"))
+
+    played(loop, story())
+    assert heart.longest_s(loop.time()) > 1000.0 - LONGEST_COMMIT_S - 1.0
 
 
 def test_a_call_whose_limit_has_passed_before_it_was_durable_is_not_made() -> None:

@@ -174,7 +174,8 @@ class LiveDriver:
         try:
             await self._pumping
         finally:  # a defect too leaves nothing held: another mind may go on with the journal
-            await self._held.aclose()
+            with self._heart:  # a training that is waited for is no stall
+                await self._held.aclose()
 
     @property
     def busy(self) -> bool:

@@ -31,6 +31,9 @@ MOST_INPUTS = 64
 #: meets no backlog costs a fraction of one that has to queue, so that to hear it at once would make the backlog grow.
 CATCH_UP_S = 0.25
 
+#: A commit of longer is no slow disk but one that hangs: no heartbeat covers for it, and the supervisor acts.
+LONGEST_COMMIT_S = 120.0
+
 
 class Pump:
     """Turn by turn: what came within a group's time is fed together; between groups treatments think; commits go on meanwhile.
@@ -145,7 +148,7 @@ class Pump:
     async def drained(self, writer: Writer) -> None:
         """Until all that was handed over for commit is durable and acted on, or cannot be."""
         while not writer.idle and writer.error is None:
-            await self._come(None)
+            await self._wait_for(writer)
 
     async def run(self, writer: Writer) -> None:
         """Until the mind closes and nothing is due any more.
@@ -154,11 +157,12 @@ class Pump:
             BaseException: what the writer's commit raised, or a defect of the kernel.
         """
         while writer.error is None:
-            self._heart.beat()
+            if writer.takes_s < LONGEST_COMMIT_S:
+                self._heart.beat()
             if self._stall.active:
                 await self._work_on(writer)
             elif writer.full:
-                await self._come(None)
+                await self._wait_for(writer)
             elif self._acts_due() or self._trainer.ended or (self._ripe() and not self._catching_up()):
                 await self._take(writer)
             elif self._due():
@@ -202,7 +206,7 @@ class Pump:
         self._put(writer, requests, self._feeding, handed, "acts: committed" if handed else "")
         await asyncio.sleep(0)
         while careful and not writer.idle and writer.error is None and not self._stall.active:
-            await self._come(None)
+            await self._wait_for(writer)
 
     def _put(
         self,
@@ -226,9 +230,15 @@ class Pump:
             self._put(writer, self.kernel.feed((), now_ns, 1))
             await asyncio.sleep(0)
         else:
-            await self._come(None)
+            await self._wait_for(writer)
 
     # --- when to look again ---
+
+    async def _wait_for(self, writer: Writer) -> None:
+        """Until the writer has got on, or it is time for a heartbeat: on a slow disk the mind is well, and says so."""
+        if writer.takes_s < LONGEST_COMMIT_S:
+            self._heart.beat()
+        await self._come(None if self._heart.every_s is None else self._heart.every_s / 2)
 
     async def _come(self, within_s: float | None) -> None:
         """Until something has changed, or for so long."""

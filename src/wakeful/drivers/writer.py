@@ -73,11 +73,17 @@ class Writer:
         self._waiting: list[Group] = []
         self._under_way: list[Group] = []
         self._state: dict[str, bytes | None] = {}
+        self._began_s = 0.0
 
     @property
     def idle(self) -> bool:
         """Whether all that was put is durable and acted on."""
         return not self._waiting and not self._under_way
+
+    @property
+    def takes_s(self) -> float:
+        """For how long the commit that is under way has been; 0 where there is none."""
+        return self._loop.time() - self._began_s if self._under_way else 0.0
 
     @property
     def full(self) -> bool:
@@ -104,6 +110,7 @@ class Writer:
     def _begin(self) -> None:
         taken, self._waiting = self._waiting, []
         self._under_way = taken
+        self._began_s = self._loop.time()
         for group in taken:
             self._state.update(group.state)
         lines = taken[0].requests.lines if len(taken) == 1 else [line for group in taken for line in group.requests.lines]
