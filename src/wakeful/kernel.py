@@ -651,6 +651,10 @@ class Kernel:
         """Have a parked process at hand again."""
         self._parking.take_up(process)
 
+    def close(self) -> None:
+        """Let go of where long waiters are parked. It is fed nothing more."""
+        self._parking.close()
+
     def call(self, call: Call) -> None:
         """Have the driver make a call outside, once the lines are durable."""
         self._calls.append(call)

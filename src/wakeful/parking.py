@@ -85,6 +85,11 @@ class Parking:
             raise KeyError(process)
         self._give_back(_decode(self._aside.take(process)))
 
+    def close(self) -> None:
+        """Give up what is parked, at the mind's end: the journal has all of it."""
+        if self._aside is not None:
+            self._aside.close()
+
     def _give_back(self, parked: _Parked) -> None:
         process = parked.process
         self._scheduler.take_up(process, parked.known)

@@ -17,3 +17,6 @@ class Aside(Protocol):
 
     def take(self, process: int) -> bytes:
         """Take it back; it is held no longer. Raises KeyError where it was not put away."""
+
+    def close(self) -> None:
+        """Give everything up that was put away."""

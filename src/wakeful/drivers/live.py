@@ -131,6 +131,7 @@ class LiveDriver:
         """What is let go of in the end, whatever became of the mind and of what was let go of before; the last first."""
         if self._closes_journal:
             self._held.callback(self.journal.close)
+        self._held.callback(self.kernel.close)
         self._held.callback(lambda: self._heart.stop(self._why))
         self._held.callback(self._commits.shutdown)
         self._held.callback(self._trainer.close)

@@ -212,10 +212,11 @@ class SimulatedDriver:
         return tuple(self.journal.lines(before))
 
     def close(self) -> None:
-        """Commit and let go of thread and loop; the journal stays open."""
+        """Commit and let go of thread, loop and kernel; the journal stays open."""
         self._commit()
         self._trainer.close()
         self._loop.close()
+        self.kernel.close()
         if self._crash_mark is not None:
             self._crash_mark.close()
         self._heart.stop()
