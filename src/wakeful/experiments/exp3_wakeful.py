@@ -1,4 +1,4 @@
-"""Experiment 3's ``wakeful``: the product's encoder, learner, selector, exemplar memory and revision, as they ship.
+"""Experiment 3's ``wakeful``: the product's encoder, learner, selector, exemplar memory and recent experience, as they ship.
 
 The rule is one for all variants. What is sufficiently similar to a validated experience is decided by memory, what is not by the
 model, and what is of a type never met by the reasoner. How much one contradiction counts for follows from how reliable
