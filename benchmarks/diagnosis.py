@@ -153,6 +153,7 @@ def by_model(model: object) -> Method:
     """A scikit-learn classifier's probabilities."""
 
     def say(earlier: Sequence[Case], later: Sequence[Case]) -> Said:
+        """Fit it to the earlier cases; what it says of the later ones."""
         names = sorted(earlier[0].values)
         x, z = (np.array([[case.values[name] for name in names] for case in part]) for part in (earlier, later))
         model.fit(x, [case.fault for case in earlier])  # type: ignore[attr-defined]

@@ -14,15 +14,11 @@ import pstats
 import time
 from collections.abc import Callable, Iterator
 
-import msgspec
-
-from benchmarks.peers.drafting import draft
+from benchmarks.peers.drafting import draft, evidence, outcome
 from benchmarks.peers.messages import Event, Tick, decode
 from benchmarks.peers.messages import Evidence as Reading
-from benchmarks.peers.treating import TOPIC
 from benchmarks.peers.workload import Workload, make
 from benchmarks.scale import begun, new_kernel
-from wakeful import Evidence, Outcome
 from wakeful.facts.inputs import Begin, Input, Instant, Mark
 from wakeful.kernel import Kernel
 from wakeful.learning.two_heads import TwoHeads
@@ -43,19 +39,9 @@ def batches(workload: Workload, size: int) -> Iterator[list[Input]]:
                 position += 1
                 inputs += (draft(message, "w", position), Mark(source="w", position=position))
             elif isinstance(message, Reading):
-                value = msgspec.Raw(msgspec.json.encode(message.value))
-                inputs.append(Evidence(id=message.id, topic=TOPIC, key=message.entity, at_ns=message.at_ns, value=value))
+                inputs.append(evidence(message))
             elif not isinstance(message, Tick):
-                inputs.append(
-                    Outcome(
-                        id=message.id,
-                        topic="outcome",
-                        entity=message.entity,
-                        label=message.label,
-                        at_ns=message.at_ns,
-                        acted_on=message.acted_on,
-                    )
-                )
+                inputs.append(outcome(message))
         yield inputs
 
 

@@ -181,6 +181,7 @@ def types_left_out(seed: int, types: Mapping[str, Sequence[str]] = TYPES) -> dic
     shares = {category: CATEGORIES[category] for category in types}
 
     def meet(number: int, known: bool) -> tuple[Event, Event, str]:
+        """An encounter with a type that was met before, or not: without its category, with it, and the right treatment."""
         category = draw(random, shares)
         met = encounter(random, category)
         name = random.choice([each for each in types[category] if (each not in new[category]) == known])

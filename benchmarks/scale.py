@@ -71,6 +71,7 @@ def registry() -> Registry:
 
         @treatment(name, says="A stub of three steps.")
         async def treat(event: WakefulEvent, mind: MindView) -> Treated:
+            """Three steps; before the second a device's reading is waited for."""
             seen, reading = look(event.entity, event.fields["load"]), None
             await mind.work()
             if event.fields["category"] == WAITS:

@@ -1,9 +1,15 @@
-"""An event of W as a user of wakeful offers it."""
+"""W's messages as a user of wakeful offers them."""
 
 from __future__ import annotations
 
+import msgspec
+
 from benchmarks.peers.messages import Event
+from benchmarks.peers.messages import Evidence as Reading
+from benchmarks.peers.messages import Outcome as Shown
+from benchmarks.peers.treating import TOPIC
 from wakeful.facts.events import Draft
+from wakeful.facts.evidence import Evidence, Outcome
 
 
 def draft(event: Event, source: str = "w", position: int = 0) -> Draft:
@@ -24,4 +30,22 @@ def draft(event: Event, source: str = "w", position: int = 0) -> Draft:
             "y": event.y,
             "context": event.context,
         },
+    )
+
+
+def evidence(message: Reading) -> Evidence:
+    """A reading as wakeful takes it."""
+    value = msgspec.Raw(msgspec.json.encode(message.value))
+    return Evidence(id=message.id, topic=TOPIC, key=message.entity, at_ns=message.at_ns, value=value)
+
+
+def outcome(message: Shown) -> Outcome:
+    """An outcome as wakeful takes it."""
+    return Outcome(
+        id=message.id,
+        topic="outcome",
+        entity=message.entity,
+        label=message.label,
+        at_ns=message.at_ns,
+        acted_on=message.acted_on,
     )

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import msgspec
 
-from benchmarks.peers.drafting import draft
+from benchmarks.peers.drafting import draft, evidence, outcome
 from benchmarks.peers.learned import DOMAIN
 from benchmarks.peers.messages import TREATMENTS, Event, Tick, decode
 from benchmarks.peers.messages import Evidence as Reading
 from benchmarks.peers.running import Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_S, TOPIC, WAITS, conclude, final, look, weigh
 from wakeful import Event as WakefulEvent
-from wakeful import Evidence, MindView, Outcome, Registry, Result, treatment
+from wakeful import MindView, Registry, Result, treatment
 from wakeful.contracts.bridge import Item
 from wakeful.deliberation.guidelines import GuidelineReasoner
 from wakeful.drivers.assembly import assemble
@@ -143,24 +143,6 @@ def stub(name: str, run: Run) -> object:
         return Treated(says="", confidence=forecast.probability, forecast=forecast, state=state, reading=waited)
 
     return treat
-
-
-def evidence(message: Reading) -> Evidence:
-    """A reading as wakeful takes it."""
-    value = msgspec.Raw(msgspec.json.encode(message.value))
-    return Evidence(id=message.id, topic=TOPIC, key=message.entity, at_ns=message.at_ns, value=value)
-
-
-def outcome(message: object) -> Outcome:
-    """An outcome as wakeful takes it."""
-    return Outcome(
-        id=message.id,
-        topic="outcome",
-        entity=message.entity,
-        label=message.label,
-        at_ns=message.at_ns,
-        acted_on=message.acted_on,
-    )
 
 
 def prepare(path: Path, workload: Path, full_sync: bool) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 
-from benchmarks.peers.drafting import draft
+from benchmarks.peers.drafting import draft, evidence, outcome
 from benchmarks.peers.learned import DOMAIN
 from benchmarks.peers.messages import AnyMessage, Event, Tick, decode
 from benchmarks.peers.messages import Evidence as Reading
-from benchmarks.peers.of_wakeful import SOURCE, evidence, finals_of, outcome, prepare, registry
+from benchmarks.peers.of_wakeful import SOURCE, finals_of, prepare, registry
 from benchmarks.peers.running import Run, now_ns, size_of
 from benchmarks.peers.treating import LIMIT_NS
 from wakeful import Draft, Evidence, LiveDriver, Outcome

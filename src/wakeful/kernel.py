@@ -34,14 +34,13 @@ from wakeful.facts.lines import (
     Concluded,
     Gained,
     Judged,
-    Line,
     Noted,
     Published,
     Reopened,
     TrainingAsked,
     Witnessed,
 )
-from wakeful.facts.packs import AnyBurst, Entry, Pack, Ran, Validated
+from wakeful.facts.packs import AnyBurst, Entry, Ran, Validated
 from wakeful.facts.results import Forecast, Result
 from wakeful.facts.settings import MindSettings
 from wakeful.facts.time import LARGEST_NS, Stamp, to_ns, to_s
@@ -52,6 +51,7 @@ from wakeful.learning.episodes import Episodes
 from wakeful.learning.exemplars import Exemplars
 from wakeful.learning.plan import Learning, LearningSettings
 from wakeful.learning.recent import Recent
+from wakeful.outgoing import Outgoing
 from wakeful.parking import Parking
 from wakeful.registration import CLEARED, Sources, SourceState
 from wakeful.revision import Debts, Revision
@@ -109,7 +109,6 @@ class Kernel:
         """Steps and limits done since it was made: by which a live driver measures how long a step takes."""
         self._calm_ns = 0
         self._stops = False
-        self._position = 0
         self._sources = Sources(domain, settings.seed)
         self._admission = Admission(settings.keep_ids)
         self._overload = Overload(settings.overload)
@@ -150,10 +149,7 @@ class Kernel:
         self._parking = Parking(
             aside, settings.keep_waiting, scheduler=self._scheduler, validation=self._validation, revision=self._revision
         )
-        self._entries: list[Entry] = []
-        self._blobs: dict[str, bytes] = {}
-        self._calls: list[Call] = []
-        self._trainings: list[Training] = []
+        self._out = Outgoing()
 
     # --- what the driver may ask ---
 
@@ -246,7 +242,7 @@ class Kernel:
         left = len(inputs)
         for each in inputs:
             if isinstance(each, Instant):
-                if stop and (self._calls or self._trainings):
+                if stop and self._out.asks:
                     break
                 self._go_on_to(each.at_ns)
                 left -= self._now_ns >= each.at_ns
@@ -312,7 +308,7 @@ class Kernel:
         if at_ns > self._now_ns:
             if self._calm_ns <= at_ns:
                 self._until(at_ns)
-            if not self._stops or not (self._calls or self._trainings):
+            if not self._stops or not self._out.asks:
                 self._now_ns = at_ns
 
     def _encountered(self, draft: Draft) -> None:
@@ -469,8 +465,7 @@ class Kernel:
         if trusted is not None:
             self._revision.apply(trusted, self._now_ns)
         burst = Validated(outcome=outcome, judged=judged, experience=experience, trusted=trusted)
-        self._entries.append(Pack(self._position + 1, self._now_ns, burst))
-        self._position += burst.count
+        self._out.pack(burst, self._now_ns)
         for each in more:
             self.write(each)
         self._reconsider(experience)
@@ -537,7 +532,7 @@ class Kernel:
         asked = self._learning.due(self._now_ns)
         if asked is not None:
             self.write(asked)
-            self._trainings.append(self._training(asked))
+            self._out.train(self._training(asked))
 
     def _training(self, asked: TrainingAsked) -> Training:
         job = self._learning.job(asked, self._versions.base(asked.base))
@@ -549,7 +544,7 @@ class Kernel:
         if pending is None or pending.training != trained.training:
             return
         if trained.card.accepted:
-            self._blobs[trained.card.blob] = trained.weights
+            self._out.blob(trained.card.blob, trained.weights)
             self._versions.accept(trained.card, trained.weights)
             self._use(trained.card, trained.weights)
             reach("publication: decided")
@@ -596,8 +591,8 @@ class Kernel:
         if self._calm_ns > now_ns:
             return
         self._do_until(now_ns)
-        instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
-        self._calm_ns = min((each for each in instants if each is not None), default=LARGEST_NS)
+        wake_ns = self._wake_ns()
+        self._calm_ns = LARGEST_NS if wake_ns is None else wake_ns
 
     def _do_until(self, now_ns: int) -> None:
         while True:
@@ -621,8 +616,13 @@ class Kernel:
                 self._scheduler.run_due(put_off)
             else:
                 break
-            if self._stops and (self._calls or self._trainings):
+            if self._stops and self._out.asks:
                 break
+
+    def _wake_ns(self) -> int | None:
+        """When something falls due next; None: nothing does by itself."""
+        instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
+        return min((each for each in instants if each is not None), default=None)
 
     def _closes_next_ns(self) -> int | None:
         """When a window closes by the clock; where a source's silence means a gap, windows close when it is heard again."""
@@ -632,24 +632,22 @@ class Kernel:
 
     def write(self, record: AnyRecord) -> None:
         """Record, then apply: the only way in which the kernel's state changes."""
-        self._position += 1
-        self._entries.append(Line(self._position, self._now_ns, record))
+        self._out.line(record, self._now_ns)
         self._calm_ns = 0  # what a record of any kind lets fall due is looked for
         self._folding.apply(record, self._now_ns)
 
     def pack(self, burst: AnyBurst, forecast: Forecast | None = None) -> None:
         """The same for what an automatic event writes in one go: one entry for several records."""
-        self._entries.append(Pack(self._position + 1, self._now_ns, burst))
-        self._position += burst.count
+        self._out.pack(burst, self._now_ns)
         self._folding.apply_burst(burst, self._now_ns, forecast)
 
     def event(self, identity: str) -> Event:
         """An admitted event that is still in memory. Raises KeyError where it is not."""
         return self._folding.events[identity]
 
-    def take_up(self, process: int) -> None:
+    def bring_back(self, process: int) -> None:
         """Have a parked process at hand again."""
-        self._parking.take_up(process)
+        self._parking.bring_back(process)
 
     def close(self) -> None:
         """Let go of where long waiters are parked. It is fed nothing more."""
@@ -657,7 +655,7 @@ class Kernel:
 
     def call(self, call: Call) -> None:
         """Have the driver make a call outside, once the lines are durable."""
-        self._calls.append(call)
+        self._out.call(call)
 
     def recall(self, query: Query) -> tuple[Episode, ...]:
         """Search episodic memory for a process."""
@@ -672,18 +670,7 @@ class Kernel:
         return arrived_ns + self._within_ns
 
     def _requests(self, left: int = 0) -> Requests:
-        instants = (self._scheduler.next_due_ns(), self._closes_next_ns(), self._debts.next_due_ns())
-        wakes = [due for due in instants if due is not None]
-        requests = Requests(
-            lines=tuple(self._entries),
-            blobs=self._blobs,
-            calls=tuple(self._calls),
-            trainings=tuple(self._trainings),
-            wake_ns=min(wakes, default=None),
-            left=left,
-        )
-        self._entries, self._blobs, self._calls, self._trainings = [], {}, [], []
-        return requests
+        return self._out.take(self._wake_ns(), left)
 
     def changed(self) -> dict[str, bytes | None]:
         """The keyed state that changed since the last call: the driver commits it with the lines of all feeds up to now."""
@@ -707,7 +694,7 @@ class Kernel:
         """
         reach("recovery: begun")
         folded = self._folding.fold(entries)
-        self._position, self._now_ns = folded.position, folded.now_ns
+        self._out.position, self._now_ns = folded.position, folded.now_ns
         if _STATE_KEY in state:
             found = msgspec.json.decode(state[_STATE_KEY], type=_KernelState)
             self._now_ns = max(self._now_ns, found.now_ns)
@@ -720,7 +707,7 @@ class Kernel:
         self._scheduler.recover()
         reach("recovery: rebuilt")
         if folded.asked is not None:
-            self._trainings.append(self._training(folded.asked))
+            self._out.train(self._training(folded.asked))
         self._learn()  # there may be experience that was imported at rest
         return self._requests()
 

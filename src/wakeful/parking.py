@@ -1,4 +1,4 @@
-"""Parking: processes that wait long are put out of memory, room by room, and taken up again when something comes for them.
+"""Parking: processes that wait long are put out of memory, room by room, and brought back when something comes for them.
 
 What is decided, recorded and answered is the same with and without it. A parked process is held by its bytes outside memory,
 and by an entry of some 45 bytes in scheduling; after a crash recovery folds it from the journal like any other.
@@ -79,7 +79,7 @@ class Parking:
             self._give_back(parked)
             raise
 
-    def take_up(self, process: int) -> None:
+    def bring_back(self, process: int) -> None:
         """Have a parked process at hand again. Raises KeyError where it is not parked."""
         if self._aside is None:
             raise KeyError(process)
@@ -92,8 +92,8 @@ class Parking:
 
     def _give_back(self, parked: _Parked) -> None:
         process = parked.process
-        self._scheduler.take_up(process, parked.known)
+        self._scheduler.bring_back(process, parked.known)
         if parked.made is not None:
-            self._revision.take_up(parked.made)
+            self._revision.bring_back(parked.made)
         if parked.since_ns is not None:
-            self._validation.take_up(process.event, parked.since_ns, process.id)
+            self._validation.bring_back(process.event, parked.since_ns, process.id)

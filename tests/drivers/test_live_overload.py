@@ -39,7 +39,7 @@ def live(journal: MemoryJournal) -> LiveDriver:
 
 async def quiet(mind: LiveDriver) -> None:
     while len(mind.kernel._scheduler.processes):
-        await asyncio.sleep(0.01)
+        await asyncio.sleep(0)
 
 
 def kinds(journal: MemoryJournal, kind: type) -> list[object]:

@@ -66,7 +66,7 @@ def test_on_a_full_disk_nothing_is_acknowledged_or_called_and_later_all_of_it_is
             first = await mind.admit(box("kept"))
             assert first.status == "admitted"
             while mind.busy:
-                await asyncio.sleep(0.005)
+                await asyncio.sleep(0)
             made = reasoner.made
             disk.fail("broken")
             waiting = asyncio.create_task(mind.admit(box("held")))
@@ -77,7 +77,7 @@ def test_on_a_full_disk_nothing_is_acknowledged_or_called_and_later_all_of_it_is
                 assert receipt.status == "refused"
                 assert "cannot be written" in receipt.reason
             for _ in range(20):
-                await asyncio.sleep(0.005)
+                await asyncio.sleep(0)
             assert not waiting.done()
             assert reasoner.made == made
             disk.mend()
@@ -85,7 +85,7 @@ def test_on_a_full_disk_nothing_is_acknowledged_or_called_and_later_all_of_it_is
             assert receipt.status == "admitted"
             assert (await mind.admit(box("after"))).status == "admitted"
             while mind.busy:
-                await asyncio.sleep(0.005)
+                await asyncio.sleep(0)
 
     caplog.set_level(logging.WARNING, "wakeful.journal")
     with FaultyDisk() as disk, open_journal(path, vfs=disk.name) as journal:

@@ -66,5 +66,5 @@ class ParkingPolicy(Policy, Protocol):
     def park(self, process: int) -> tuple[int, ...]:
         """What is known of a waiting process, which is forgotten."""
 
-    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+    def bring_back(self, process: int, known: tuple[int, ...]) -> None:
         """The process waits as before; ``known`` is what ``park`` returned."""

@@ -58,7 +58,7 @@ class _AtRest:
             self._decided[record.process] = record.decision
         self.scheduler.processes.apply(record, self.now_ns)
 
-    def take_up(self, process: int) -> NoReturn:
+    def bring_back(self, process: int) -> NoReturn:
         """Nobody is parked."""
         raise LookupError(f"process {process} was wanted from a mind at rest")
 

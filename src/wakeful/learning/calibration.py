@@ -123,6 +123,7 @@ def choose_thresholds(
     was_wrong = None if right is None else ~right[judged]
 
     def may_do(passing: Flags) -> bool:
+        """Whether so few of these decisions were wrong, or no more than were wrong at the time."""
         rows = int(passing.sum())
         if rows == 0:
             return False

@@ -29,7 +29,7 @@ BETTER: Final = 1.0
 """It is heard while it has saved so many nats of log loss, lately, over the model alone."""
 OUTDONE: Final = 2.0
 """Exemplar memory is not asked once its forecasts erred so many times more often than these, lately."""
-_MEMORY: Final = 0.98
+_ERRORS_KEPT: Final = 0.98
 _RECORD_KEPT: Final = 0.998
 _SAVED_KEPT: Final = 0.99
 _ALL: Final = 100
@@ -139,9 +139,9 @@ class Recent:
         asked = self._asked.pop(experience.process, None)
         best = max(asked.prior) if asked is not None else 0.0
         if asked is not None and best > 0.0:
-            self._errors *= _MEMORY
+            self._errors *= _ERRORS_KEPT
             if best > asked.prior[label]:
-                self._errors += 1.0 - _MEMORY
+                self._errors += 1.0 - _ERRORS_KEPT
             if self._errors > ERRS or asked.recalled >= 0:
                 self._compare(asked, experience, event, label)
             elif self._outdone:

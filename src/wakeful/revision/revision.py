@@ -257,7 +257,7 @@ class Revision:
         """Give away the decision of a process that is put out of memory while it waits; None where it is still needed."""
         return self._standing.park(process)
 
-    def take_up(self, made: Made) -> None:
+    def bring_back(self, made: Made) -> None:
         """Take a parked process's decision back."""
         self._standing.cover(made)
 

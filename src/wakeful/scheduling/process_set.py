@@ -123,12 +123,12 @@ class ProcessSet:
         return [self._open[each] for each in self._expecting.about(condition)]
 
     def expecting(self, topic_key: str) -> list[Process]:
-        """The open processes that wait for that evidence, oldest request first, then by id; parked ones have to be taken up
-        before."""
+        """The open processes that wait for that evidence, oldest request first, then by id; parked ones have to be brought
+        back before."""
         found = [self._open[each] for each in self._expecting.of(topic_key)]
         return found if len(found) < 2 else sorted(found, key=lambda each: (each.asked_ns, each.id))
 
-    # --- parking: a long waiter is put out of memory, and taken up again ---
+    # --- parking: a long waiter is put out of memory, and brought back ---
 
     @property
     def parkable(self) -> int:
@@ -152,13 +152,13 @@ class ProcessSet:
         self.parked.park(process.id, pending.key, pending.expires_ns)
         return self._parks.park(process.id) if self._parks is not None else ()
 
-    def take_up(self, recorded: Recorded, known: tuple[int, ...]) -> Process:
+    def bring_back(self, recorded: Recorded, known: tuple[int, ...]) -> Process:
         """Have a parked process at hand again, as recovery would: its coroutine is rebuilt when it goes on."""
         self.parked.leave(recorded.id)
         process = Process(**msgspec.structs.asdict(recorded))
         self._open[process.id] = process
         if self._parks is not None:
-            self._parks.take_up(process.id, known)
+            self._parks.bring_back(process.id, known)
         pending = process.pending
         if pending is not None:
             self._expecting.expects(process, pending.key)

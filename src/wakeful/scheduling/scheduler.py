@@ -153,7 +153,7 @@ class Scheduler:
     def run_due(self, passing: bool = False) -> None:
         """Do the first thing that is due: end one step, or let one limit pass; ``passing``: no step, whatever is due before."""
         for parked in self.processes.parked.until(self._host.now_ns):
-            self._host.take_up(parked)
+            self._host.bring_back(parked)
         due = self._agenda.take(passing)
         if due is None:
             return
@@ -211,9 +211,9 @@ class Scheduler:
 
     # --- parking ---
 
-    def take_up(self, recorded: Recorded, known: tuple[int, ...]) -> None:
+    def bring_back(self, recorded: Recorded, known: tuple[int, ...]) -> None:
         """Have a parked process at hand again, with what the policy knows of it, its limit, and its coroutine."""
-        process = self.processes.take_up(recorded, known)
+        process = self.processes.bring_back(recorded, known)
         if process.pending is not None:
             self._agenda.limit(process.pending)
         if not self.processes.crashes.of(process.event.id):
@@ -229,7 +229,7 @@ class Scheduler:
     def deliver(self, evidence: Evidence) -> None:
         """Keep the evidence, and wake whoever has now all that it asked for."""
         for parked in self.processes.parked.waiting_for(f"{evidence.topic}\x1f{evidence.key}"):
-            self._host.take_up(parked)
+            self._host.bring_back(parked)
         woken = self._asking.deliver(evidence)
         if len(woken) == 1:
             self._run_on(woken[0])
@@ -259,7 +259,7 @@ class Scheduler:
         if act.id and self.processes.acted(act.id):
             return
         if act.process in self.processes.parked:
-            self._host.take_up(act.process)
+            self._host.bring_back(act.process)
         process = self.processes.get(act.process)
         refused = f"process {act.process} is not open" if process is None and act.act in ON_OPEN else ""
         if act.act == "reopen":

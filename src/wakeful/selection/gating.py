@@ -95,9 +95,13 @@ class Gating:
             prior: the forecast.
             card: the model version in use.
         """
-        doubts = self._unfit(chosen, gate, card)
         if gate.novelty > gate.novelty_limit:
-            return "fallback", doubts, None
+            unlike = (
+                f"Unlike anything experienced so far: novelty {gate.novelty:.3f} is above {gate.novelty_limit:g}, "
+                "so the treatment is provisional."
+            )
+            return "fallback", [unlike], None
+        doubts = self._unfit(chosen, gate, card)
         if self.guarantee is not None:
             return self._guaranteed(self.guarantee, event, chosen, gate, prior, card, doubts)
         if gate.confidence < gate.threshold:
@@ -129,12 +133,7 @@ class Gating:
         return ("auto" if audit.automatic and not deliberated else "delib"), [guaranteed(audit, deliberated)], audit
 
     def _unfit(self, chosen: str, gate: Gate, card: ModelCard) -> list[str]:
-        """What keeps the event from being automatic, whatever the confidence; empty where nothing does."""
-        if gate.novelty > gate.novelty_limit:
-            return [
-                f"Unlike anything experienced so far: novelty {gate.novelty:.3f} is above {gate.novelty_limit:g}, "
-                "so the treatment is provisional."
-            ]
+        """What keeps a familiar event from being automatic, whatever the confidence; empty where nothing does."""
         doubts: list[str] = []
         support = card.support.get(chosen, 0)
         if support < self.settings.support:

@@ -217,7 +217,7 @@ class Validation:
         is still needed."""
         return self._events.park(process)
 
-    def take_up(self, event: Event, since_ns: int, process: int) -> None:
+    def bring_back(self, event: Event, since_ns: int, process: int) -> None:
         """Take a parked process's event back."""
         self._events.covered(event, since_ns, process)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zlib
-from contextlib import suppress
 from typing import Any, get_args
 
 import msgspec
@@ -155,8 +154,11 @@ def test_a_flipped_bit_is_an_error_that_is_known_or_other_entries(said: list[Any
     words = Words()
     body = bytearray(BodyWriter(words).write(placed(said)))
     body[data.draw(st.integers(0, len(body) - 1))] ^= 1 << data.draw(st.integers(0, 7))
-    with suppress(BROKEN):
-        list(BodyReader(words).read(1, bytes(body)))
+    try:
+        read = list(BodyReader(words).read(1, bytes(body)))
+    except BROKEN:
+        return
+    assert all(isinstance(each, Line | Pack) for each in read)
 
 
 def test_every_kind_of_entry_has_a_writer() -> None:

@@ -301,7 +301,7 @@ def test_what_it_gives_away_of_a_waiting_process_brings_it_back_as_it_was() -> N
             known = policy.park(1)
             assert not policy._waiting
             assert not policy._before_wait
-            policy.take_up(1, known)
+            policy.bring_back(1, known)
         ended = msgspec.structs.replace(begun, steps_done=5)
         policy.runnable(begun, 5)
         policy.completed(ended, 9)

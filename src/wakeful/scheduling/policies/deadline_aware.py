@@ -159,7 +159,7 @@ class DeadlineAware:
         self._came.discard(process)
         return known
 
-    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+    def bring_back(self, process: int, known: tuple[int, ...]) -> None:
         """It waits as before."""
         before_wait, came = known
         self._waiting.add(process)

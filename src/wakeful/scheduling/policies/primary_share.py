@@ -68,12 +68,12 @@ class PrimaryShare:
         self._critical.discard(process)
         return int(critical), *(self._parks.park(process) if self._parks is not None else ())
 
-    def take_up(self, process: int, known: tuple[int, ...]) -> None:
+    def bring_back(self, process: int, known: tuple[int, ...]) -> None:
         """As it was."""
         if known[0]:
             self._critical.add(process)
         if self._parks is not None:
-            self._parks.take_up(process, known[1:])
+            self._parks.bring_back(process, known[1:])
 
     def pick(self, running: Sequence[int], slots: int, now_ns: int) -> Pick:
         """The inner policy's answer; in the primary task's quanta the critical processes of it alone."""
