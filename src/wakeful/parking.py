@@ -1,7 +1,7 @@
 """Parking: processes that wait long are put out of memory, room by room, and brought back when something comes for them.
 
 What is decided, recorded and answered is the same with and without it. A parked process is held by its bytes outside memory,
-and by an entry of some 45 bytes in scheduling; after a crash recovery folds it from the journal like any other.
+and by a small entry in scheduling; after a crash recovery folds it from the journal like any other.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who is parked: long waiters by id, by what they wait for, and by when their wait passes. About 45 bytes each.
+"""Who is parked: long waiters by id, by what they wait for, and by when their wait passes. 41 bytes each.
 
 Python's own objects would take four times as much, and the garbage collector would walk over them. New entries stand in a
 small dictionary; from ``FRESH`` on they become a run of sorted columns, and ``RUNS`` runs become one larger run.
